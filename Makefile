@@ -1,0 +1,74 @@
+# Needs GNU make and Python 3.11 or later with venv; everything else goes into .venv.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+PIP     = $(BIN)/python -m pip --disable-pip-version-check
+UV     := 0.13.9
+
+# Wheels only, and only those whose hash is in the lock; then the project itself, with nothing fetched.
+INSTALL      = $(PIP) install --quiet --require-hashes --only-binary :all: -r
+INSTALL_SELF = $(PIP) install --quiet --no-deps --no-build-isolation --no-index -e .
+
+# `make lock LOCK_FLAGS=--upgrade` moves to the newest versions; plain `make lock` keeps every pin that still fits.
+LOCK_FLAGS ?=
+COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python-version 3.11 --no-build --generate-hashes \
+	--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --group build $(LOCK_FLAGS)
+
+.DEFAULT_GOAL := serve
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+.PHONY: serve test check lock openapi clean help
+
+serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
+	exec $(BIN)/ipfit serve $(ARGS)
+
+test: $(VENV)/.dev-stamp ## run the tests (ARGS="…" goes to pytest)
+	$(BIN)/python -m pytest $(ARGS)
+
+# pytest comes last, so that its closing line is the last one.
+check: $(VENV)/.dev-stamp ## everything CI checks: style, types, layers, tests, coverage
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest --cov --cov-report=term $(ARGS)
+
+openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
+	mkdir -p openapi
+	$(BIN)/ipfit openapi > openapi/openapi.json.new
+	mv openapi/openapi.json.new openapi/openapi.json
+
+lock: .venv-lock/.stamp ## write requirements.lock and tests/requirements.lock anew
+	$(COMPILE) -o requirements.lock pyproject.toml
+	$(COMPILE) --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+
+clean: ## remove the environments, caches and build products (data stays)
+	rm -rf $(VENV) .venv-lock build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache \
+		.hypothesis .benchmarks .coverage .coverage.* htmlcov openapi/openapi.json.new
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST)
+
+$(VENV)/.venv-stamp:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "ipfit needs Python 3.11 or later; this is $$($(PYTHON) --version 2>&1). Try: make PYTHON=python3.13" >&2; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || { \
+		rm -rf $(VENV); echo "No virtual environment could be made; on Debian: apt-get install python3-venv" >&2; exit 1; }
+	@touch $@
+
+$(VENV)/.serve-stamp: $(VENV)/.venv-stamp requirements.lock pyproject.toml
+	$(INSTALL) requirements.lock
+	$(INSTALL_SELF)
+	@touch $@
+
+# The dev lock holds the same pins and more, so both stamps can share one environment.
+$(VENV)/.dev-stamp: $(VENV)/.venv-stamp requirements.lock tests/requirements.lock pyproject.toml
+	$(INSTALL) tests/requirements.lock
+	$(INSTALL_SELF)
+	@touch $@
+
+.venv-lock/.stamp: Makefile
+	$(PYTHON) -m venv .venv-lock
+	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet uv==$(UV)
+	@touch $@

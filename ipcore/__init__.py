@@ -1,0 +1,42 @@
+"""Implicit polynomials f(x) = 0 from 2D and 3D point sets, of the degree that they need."""
+
+from ipcore.adaptive import fit
+from ipcore.basis import Basis
+from ipcore.errors import (
+    InvalidNormalsError,
+    InvalidOptionsError,
+    InvalidPointsError,
+    InvalidPolynomialError,
+    IPCoreError,
+)
+from ipcore.frame import Frame
+from ipcore.normals import NormalSource, estimate_normals
+from ipcore.options import FitOptions
+from ipcore.points import PointSet
+from ipcore.points import check as check_points
+from ipcore.polynomial import ImplicitPolynomial
+from ipcore.result import Diagnostics, FitResult, Step, StopReason
+from ipcore.zero_set import ZeroSet, zero_set
+
+__all__ = [
+    "Basis",
+    "Diagnostics",
+    "FitOptions",
+    "FitResult",
+    "Frame",
+    "IPCoreError",
+    "ImplicitPolynomial",
+    "InvalidNormalsError",
+    "InvalidOptionsError",
+    "InvalidPointsError",
+    "InvalidPolynomialError",
+    "NormalSource",
+    "PointSet",
+    "Step",
+    "StopReason",
+    "ZeroSet",
+    "check_points",
+    "estimate_normals",
+    "fit",
+    "zero_set",
+]

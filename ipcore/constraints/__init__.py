@@ -1,0 +1,1 @@
+"""Constraint families: each turns oriented points into rows of M a = b. One file each."""

@@ -1,0 +1,1 @@
+"""Incremental factorisations M = QR: columns are appended, R and b̃ = Qᵀb grow, nothing earlier changes."""

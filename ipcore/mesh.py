@@ -1,0 +1,97 @@
+"""Segments or triangles of a zero set: where they lie, how large they are, and what hangs together."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ipcore._typing import BoolArray, FloatArray, IntArray
+
+SEGMENT = 2  # corners; a triangle has 3
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Segments or triangles, with what is known about the walls of the box.
+
+    Attributes
+    ----------
+    vertices
+        (V, d), raw.
+    cells
+        (C, d), the vertices of segments (inside on the left) or triangles (counter-clockwise seen from outside).
+    cap
+        (C,), the cells that lie on a wall and only close the inside.
+    held
+        (V, d), the coordinates that must stay: the wall's at the rim of a cap, all within a cap.
+
+    """
+
+    vertices: FloatArray
+    cells: IntArray
+    cap: BoolArray
+    held: BoolArray
+
+    def keep(self, cells: BoolArray) -> Self:
+        """Return the mesh of some cells (C,) and of the vertices that they use."""
+        used = np.zeros(len(self.vertices), dtype=bool)
+        used[self.cells[cells]] = True
+        renumbered = (np.cumsum(used) - 1)[self.cells[cells]]
+        return type(self)(self.vertices[used], renumbered, self.cap[cells], self.held[used])
+
+    def caps_round(self, kept: BoolArray) -> BoolArray:
+        """Return the cells (C,) of the caps that have a rim all of whose other cells are `kept` (C,)."""
+        label = labels(self.cells[self.cap], len(self.vertices))
+        met, lost = np.zeros(len(label), dtype=bool), np.zeros(len(label), dtype=bool)
+        met[label[self.cells[kept]]] = True
+        lost[label[self.cells[~self.cap & ~kept]]] = True
+        return self.cap & (met & ~lost)[label[self.cells[:, 0]]]
+
+
+def cell_vectors(vertices: FloatArray, cells: IntArray) -> FloatArray:
+    """Return the outward normals (C, d) of cells (C, d), as long as the segment or as the triangle is large.
+
+    >>> cell_vectors(np.array([[0.0, 0.0], [2.0, 0.0]]), np.array([[0, 1]])).tolist()       # inside: above
+    [[0.0, -2.0]]
+    """
+    corner = vertices[cells]
+    first = corner[:, 1] - corner[:, 0]
+    if cells.shape[1] == SEGMENT:
+        return np.stack([first[:, 1], -first[:, 0]], axis=1)
+    return np.asarray(np.cross(first, corner[:, 2] - corner[:, 0])) / 2.0
+
+
+def labels(cells: IntArray, vertices: int) -> IntArray:
+    """Return for each vertex (V,) the number of its connected component; a vertex of no cell makes its own.
+
+    >>> labels(np.array([[0, 1], [1, 2], [3, 4]]), 5).tolist()
+    [0, 0, 0, 1, 1]
+    """
+    start, end = cells[:, :-1].ravel(), cells[:, 1:].ravel()
+    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(vertices, vertices))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
+
+
+def chains(cells: IntArray) -> list[IntArray]:
+    """Return the chains of vertices that segments (C, 2) make end to start; a closed one repeats its first vertex.
+
+    >>> [chain.tolist() for chain in chains(np.array([[0, 1], [3, 4], [1, 2], [4, 3]]))]
+    [[0, 1, 2], [3, 4, 3]]
+
+    Segments come mostly in order, so whole runs are joined, not single segments.
+    """
+    runs = np.split(cells, np.flatnonzero(cells[1:, 0] != cells[:-1, 1]) + 1) if len(cells) else []
+    waiting = {int(run[0, 0]): run for run in runs}
+    ends = {int(run[-1, 1]) for run in runs}
+    found = []
+    for start in sorted(waiting, key=ends.__contains__):  # open chains from their first vertex, then the closed ones
+        parts, at = [np.array([start])], start
+        while at in waiting:
+            run = waiting.pop(at)
+            parts.append(run[:, 1])
+            at = int(run[-1, 1])
+        if len(parts) > 1:
+            found.append(np.concatenate(parts))
+    return found

@@ -1,0 +1,95 @@
+r"""Graded order of the monomials in one, two or three variables.
+
+The column index α (from 1) of x^i y^j z^k, with s the total degree, is (Zheng, Takamatsu, Ikeuchi, ACCV 2007, Table 1)
+
+    2D: α = j + s(s + 1)/2 + 1                                     1; x, y; x², xy, y²; …
+    3D: α = s(s + 1)(s + 2)/6 + k(s + 1) − k(k − 1)/2 + j + 1      1; x, y, z; x², xy, y², xz, yz, z²; …
+
+The 3D formula is the one that gives the order which Table 1 prints; the paper's own formula gives x², xy, xz, y², …
+All monomials of one total degree s make the form L_s. A polynomial of degree n is a prefix of every higher one.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from ipcore._typing import FloatArray, IntArray
+
+
+def count(dimension: int, degree: int) -> int:
+    """Return the number of monomials of total degree ≤ `degree`: (n+1)(n+2)/2 in 2D, (n+1)(n+2)(n+3)/6 in 3D.
+
+    >>> count(2, 4), count(3, 4)
+    (15, 35)
+    """
+    product = 1
+    for k in range(1, dimension + 1):
+        product = product * (degree + k) // k
+    return product
+
+
+def form(dimension: int, degree: int) -> slice:
+    """Return the columns (from 0) of the form L_s, s = `degree`.
+
+    >>> form(3, 2)
+    slice(4, 10, None)
+    """
+    return slice(count(dimension, degree - 1) if degree else 0, count(dimension, degree))
+
+
+@lru_cache(maxsize=64)
+def exponents(dimension: int, degree: int) -> IntArray:
+    """Return the exponents in graded order, shape (m, d), read-only.
+
+    >>> exponents(2, 2).tolist()
+    [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]]
+    """
+    rows = [row for s in range(degree + 1) for row in _compositions(dimension, s)]
+    table = np.array(rows, dtype=np.intp).reshape(-1, dimension)
+    table.setflags(write=False)
+    return table
+
+
+def _compositions(dimension: int, total: int) -> list[tuple[int, ...]]:
+    """Return the exponents of one form: the last variable's slowest, from 0 up."""
+    if dimension == 1:
+        return [(total,)]
+    return [(*head, last) for last in range(total + 1) for head in _compositions(dimension - 1, total - last)]
+
+
+def column(powers: IntArray) -> IntArray:
+    """Return the column (from 0, so α − 1) of exponents (…, d) by the closed formulas above.
+
+    >>> int(column(np.array([1, 0, 1])))
+    7
+    """
+    s: IntArray = powers.sum(axis=-1)
+    if powers.shape[-1] == 1:
+        return s
+    j: IntArray = powers[..., 1]
+    if powers.shape[-1] == 2:
+        return s * (s + 1) // 2 + j
+    k: IntArray = powers[..., 2]
+    alpha: IntArray = s * (s + 1) * (s + 2) // 6 + k * (s + 1) - k * (k - 1) // 2 + j
+    return alpha
+
+
+def products(tables: list[FloatArray], powers: IntArray) -> FloatArray:
+    """Return the product functions X_i(x) Y_j(y) Z_k(z), one row per row (i, j, k) of `powers`.
+
+    Parameters
+    ----------
+    tables
+        One table per variable, (n+1, N): the univariate functions of degree 0…n at N points.
+    powers
+        Which products, (m, d).
+
+    Returns
+    -------
+        (m, N)
+
+    """
+    rows = tables[0][powers[:, 0]]
+    for axis in range(1, len(tables)):
+        rows *= tables[axis][powers[:, axis]]
+    return rows

@@ -1,0 +1,153 @@
+"""What a fit returns."""
+
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
+
+from ipcore.normals import NormalSource
+from ipcore.options import FitOptions
+from ipcore.polynomial import ImplicitPolynomial
+
+
+class StopReason(StrEnum):
+    """Why no higher degree was tried."""
+
+    CRITERION_MET = "criterion-met"
+    MAX_DEGREE = "max-degree"
+    TOO_FEW_POINTS = "too-few-points"
+    PLANAR = "planar"
+
+    @property
+    def advice(self) -> str:
+        """Return what happened and what to do about it, in one sentence."""
+        return _ADVICE[self]
+
+
+_ADVICE = {
+    StopReason.CRITERION_MET: "The fit is as close and as smooth as was asked for.",
+    StopReason.MAX_DEGREE: "No degree up to max_degree was close and smooth enough, and the best one is returned: "
+    "raise max_degree, or on noisy data raise t1 to about the noise.",
+    StopReason.TOO_FEW_POINTS: "The next degree has more coefficients than there are points, and the best fit so far "
+    "is returned: give more points, or raise t1.",
+    StopReason.PLANAR: "All points lie on one plane: degree 1 represents it, and no higher degree is determined.",
+}
+
+
+@dataclass(frozen=True)
+class Step:
+    """One degree of the search.
+
+    Attributes
+    ----------
+    degree
+        The total degree n.
+    columns
+        How many coefficients the fit has.
+    dropped
+        How many more were left out so far, because their columns are collinear with earlier ones.
+    d_dist, d_smooth
+        Closeness in mean radii and smoothness (the paper's eq. 6) at the data.
+    rss
+        Residual sum of squares of M a = b, in squared mean radii.
+    gcv
+        Generalised cross-validation, rows · rss / (rows − columns)².
+    condition
+        Estimated 1-norm condition of R with columns scaled to length 1, in the basis the fit works in.
+    seconds
+        Wall-clock time that this degree took.
+
+    """
+
+    degree: int
+    columns: int
+    dropped: int
+    d_dist: float
+    d_smooth: float
+    rss: float
+    gcv: float
+    condition: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Diagnostics:
+    """What is known of the returned polynomial. Distances are in mean radii.
+
+    Attributes
+    ----------
+    d_dist, d_smooth
+        As delivered, so including what the answer's basis costs.
+    distance_p95, distance_max
+        95th percentile and maximum of |f|/‖∇f‖ over the data.
+    stray
+        Share of the zero set's length or area, within the bounds, that lies away from all data; None if not measured.
+    components
+        Connected components of the zero set within the bounds; None if not measured.
+    normal_source
+        Where the normals came from: the caller, the order of the outline, or estimation.
+    normal_self_check
+        Share of points whose normal has the inside behind it and the outside before it, by the winding number of all.
+        It tells outward from inward, and falls for open surfaces and for wrongly oriented normals.
+
+    """
+
+    d_dist: float
+    d_smooth: float
+    distance_p95: float
+    distance_max: float
+    stray: float | None
+    components: int | None
+    normal_source: NormalSource
+    normal_self_check: float
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """A fit, the evidence for it, and what makes it repeatable.
+
+    Attributes
+    ----------
+    polynomial
+        The answer, in the caller's coordinates.
+    stop_reason
+        Why the search ended; `stop_reason.advice` says what to do about it.
+    steps
+        Every degree that was tried, in order.
+    diagnostics
+        The answer seen from the data, and its zero set.
+    warnings
+        What a careful user should know, in plain words.
+    options
+        As asked for.
+    version
+        Of this library.
+    input_sha256
+        SHA-256 of the points and normals as they were used: shape, then doubles, little-endian, in C order.
+
+    """
+
+    polynomial: ImplicitPolynomial
+    stop_reason: StopReason
+    steps: tuple[Step, ...]
+    diagnostics: Diagnostics
+    warnings: tuple[str, ...]
+    options: FitOptions
+    version: str
+    input_sha256: str
+
+    @property
+    def degree(self) -> int:
+        """Return the chosen degree."""
+        return self.polynomial.degree
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, ready for JSON."""
+        return {
+            "polynomial": self.polynomial.to_dict(),
+            "stop_reason": str(self.stop_reason),
+            "steps": [asdict(step) for step in self.steps],
+            "diagnostics": asdict(self.diagnostics),
+            "warnings": list(self.warnings),
+            "options": self.options.to_dict(),
+            "engine": {"version": self.version, "input_sha256": self.input_sha256},
+        }

@@ -1,0 +1,142 @@
+"""The generalised winding number of oriented points: which side of the shape a query lies on.
+
+A closed surface fills the solid angle 4π seen from inside and 0 from outside; a closed curve in 2D, 2π and 0. A sample p
+with outward unit normal n stands for a patch of area A, which acts like a dipole (Barill, Dickson, Schmidt, Levin and
+Jacobson 2018; Jacobson, Kavan and Sorkine-Hornung 2013):
+
+    w(q) = Σ A n·(p − q) / (4π ‖p − q‖³)        in 2D Σ A n·(p − q) / (2π ‖p − q‖²)
+
+It varies smoothly across holes in the data, so comparing it with ½ decides where the nearest normal would err.
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ipcore._typing import FloatArray
+
+BLOCK = 256  # queries and points at once: the block of distances (0.5 MB) stays in the L2 cache; 5 ns per pair
+NEIGHBOURS = {2: 4, 3: 12}  # for areas: two on each side; two rings
+FLOOR = 0.25  # spacings: nearer than this a patch is no dipole; the bound keeps w finite at the samples themselves
+SUBSET = 20_000  # of the self-check, points
+PROBES = 600  # of the self-check: a standard error of 0.02 at most; with SUBSET 2.4e7 pairs, 0.15 s
+HALF = 0.5  # the winding number on the surface itself
+OFFSET = 0.7  # spacings, where "just inside" is. On 27 sets with 10 % of the true normals turned about: at 0.5 the
+# check gives 0.89–1.00 (a point's own dipole drowns the rest), at 0.7 0.88–0.94, at 1.0 0.87–0.93. With none turned it
+# gives at least 0.985, 0.98 and 0.95
+
+
+def areas(points: FloatArray) -> FloatArray:
+    """Return what each point stands for: a piece of surface in 3D, of curve in 2D.
+
+    The ball through the j-th neighbour, radius r_j, holds j + ½ points: the point itself, j − 1 others and half of the
+    one on its rim. So the area is A = Σ V(r_j) / Σ (j + ½) = 2 Σ V(r_j) / (k (k + 2)), summed over k neighbours, with
+    V(r) = 2r in 2D and πr² in 3D. It is exact on an evenly sampled curve, and within 5 % on square and hexagonal grids.
+
+    Parameters
+    ----------
+    points
+        (N, d), in any unit of length.
+
+    Returns
+    -------
+        (N,), length in 2D and area in 3D; 0 where more points coincide than there are neighbours.
+
+    Examples
+    --------
+    >>> turn = 2 * np.pi * np.arange(100) / 100
+    >>> circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    >>> round(float(areas(circle).sum()), 2)                          # 2π
+    6.28
+
+    """
+    d = points.shape[1]
+    k = min(NEIGHBOURS[d], len(points) - 1)
+    r = np.asarray(cKDTree(points).query(points, k=k + 1, workers=-1)[0])  # the first is 0, the point itself
+    V = np.pi * r**2 if d > 2 else 2.0 * r
+    return np.asarray(2.0 * V.sum(axis=1) / (k * (k + 2)))
+
+
+def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray, areas: FloatArray) -> FloatArray:
+    """Return w(q), about 1 inside and 0 outside the shape.
+
+    With u = ‖p − q‖⁻ᵈ the sum is Σ u A n·p − q·Σ u A n: one matrix product for ‖p − q‖², one with u. Time is O(M N),
+    memory O(M + N).
+
+    Parameters
+    ----------
+    queries
+        (M, d).
+    points
+        (N, d), in the unit and frame of `queries`.
+    normals
+        (N, d), unit, outward.
+    areas
+        (N,), see `areas`.
+
+    Returns
+    -------
+        (M,)
+
+    Examples
+    --------
+    >>> turn = 2 * np.pi * np.arange(100) / 100
+    >>> circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    >>> w = winding_number(np.array([[0.3, 0.2], [2.0, 0.0]]), circle, circle, areas(circle))
+    >>> w.round(2).tolist()
+    [1.0, 0.0]
+
+    """
+    d = points.shape[1]
+    centre = points.mean(axis=0)  # near the origin the squares below lose the fewest digits
+    p, q = points - centre, queries - centre
+    dipoles = areas[:, None] * normals / (2.0 * np.pi * (d - 1))
+    floor = (FLOOR * areas ** (1.0 / (d - 1))) ** 2
+    floor = np.maximum(floor, np.finfo(float).tiny ** 0.25)  # for coinciding points, which weigh nothing
+    left = np.column_stack([(q**2).sum(axis=1), np.ones(len(q)), -2.0 * q])
+    right = np.vstack([np.ones(len(p)), (p**2).sum(axis=1), p.T])
+    potential = np.column_stack([(dipoles * p).sum(axis=1), -dipoles])
+    sums = np.zeros((len(q), d + 1))
+    for i in range(0, len(q), BLOCK):
+        for j in range(0, len(p), BLOCK):
+            there = slice(j, j + BLOCK)
+            u = np.maximum(left[i : i + BLOCK] @ right[:, there], floor[there])
+            if d == 3:
+                u *= np.sqrt(u)
+            sums[i : i + BLOCK] += np.reciprocal(u, out=u) @ potential[there]
+    return np.asarray(sums[:, 0] + (q * sums[:, 1:]).sum(axis=1))
+
+
+def self_check(points: FloatArray, normals: FloatArray) -> float:
+    """Return the share of points with w > ½ just inside and w < ½ just outside: a check that needs no truth.
+
+    Below about 0.9 many normals point inward, or the points bound no volume (a plane gets 0). A large patch turned about
+    as a whole is partly hidden, for there it looks like the wall of a hole. The share is estimated on a fixed random
+    subset, so that its cost does not grow with N.
+
+    Parameters
+    ----------
+    points
+        (N, d), in any unit of length.
+    normals
+        (N, d), unit.
+
+    Returns
+    -------
+        Between 0 and 1.
+
+    Examples
+    --------
+    >>> turn = 2 * np.pi * np.arange(100) / 100
+    >>> circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    >>> self_check(circle, circle), self_check(circle, -circle)
+    (1.0, 0.0)
+
+    """
+    rng = np.random.default_rng(0)  # seeded: the same points get the same answer
+    some = rng.permutation(len(points))[:SUBSET]
+    p, n = points[some], normals[some]
+    A = areas(p)
+    step = OFFSET * A[:PROBES, None] ** (1.0 / (points.shape[1] - 1)) * n[:PROBES]
+    inside = winding_number(p[:PROBES] - step, p, n, A) > HALF
+    outside = winding_number(p[:PROBES] + step, p, n, A) < HALF
+    return float((inside & outside).mean())

@@ -1,0 +1,1 @@
+"""The ipfit service: fits over HTTP. The mathematics lives in `ipcore`."""

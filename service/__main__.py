@@ -1,0 +1,5 @@
+"""`python -m service` is `ipfit`."""
+
+from service.cli import main
+
+main()

@@ -1,0 +1,49 @@
+"""The web application, made from parts that `service.bootstrap` puts together."""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from importlib.metadata import version
+
+from fastapi import FastAPI
+
+from service.api import docs, problems
+from service.api.context import Context
+from service.api.routes import fits, health
+
+DESCRIPTION = """\
+Turns 2D and 3D point sets into implicit polynomials f(x) = 0 whose degree finds itself.
+
+**f(x) = Σ coefficientᵢ · ((x − centre)/scale)^exponentᵢ, negative inside.**
+
+Lengths in options and diagnostics are in *mean radii*: the mean distance of the points from their centroid. Coordinates
+are always the caller's. Errors are problem details (RFC 9457).
+"""
+
+Startup = Callable[[], AbstractAsyncContextManager[Context]]
+
+
+def create_app(startup: Startup) -> FastAPI:
+    """Return the application; `startup` opens its parts and closes them again."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with startup() as context:
+            app.state.context = context
+            yield
+
+    app = FastAPI(
+        title="ipfit",
+        version=version("ipfit"),
+        summary="Implicit polynomials from point sets, of the degree they need.",
+        description=DESCRIPTION,
+        license_info={"name": "MIT", "identifier": "MIT"},
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+        generate_unique_id_function=lambda route: route.name,
+    )
+    problems.install(app)
+    app.include_router(fits.router)
+    app.include_router(health.router)
+    docs.install(app)
+    return app

@@ -1,0 +1,40 @@
+"""The documentation page, from files of an installed package: it works with no network."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.docs import get_swagger_ui_html
+from fastapi.responses import HTMLResponse, RedirectResponse
+from fastapi.staticfiles import StaticFiles
+
+ASSETS = "/docs/assets"
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/docs")
+async def docs() -> HTMLResponse:
+    """Return Swagger UI on this server's own OpenAPI document."""
+    return get_swagger_ui_html(
+        openapi_url="/openapi.json",
+        title="ipfit",
+        swagger_js_url=f"{ASSETS}/swagger-ui-bundle.js",
+        swagger_css_url=f"{ASSETS}/swagger-ui.css",
+        swagger_favicon_url=f"{ASSETS}/favicon.png",
+    )
+
+
+@router.get("/")
+async def root() -> RedirectResponse:
+    """Lead a person who came with a browser to the documentation."""
+    return RedirectResponse("/docs")
+
+
+def install(app: FastAPI) -> None:
+    """Add the page and its files."""
+    spec = find_spec("fastapi_offline")
+    if spec is None or spec.origin is None:  # pragma: no cover - a declared dependency
+        raise RuntimeError("fastapi-offline, which carries Swagger UI, is not installed")
+    app.mount(ASSETS, StaticFiles(directory=Path(spec.origin).parent / "static"))
+    app.include_router(router)

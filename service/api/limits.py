@@ -1,0 +1,76 @@
+"""The limits of this server, checked before memory is taken."""
+
+from dataclasses import dataclass
+from math import comb
+from typing import Any
+
+from service.jobs.errors import InvalidInputError, TooLargeError
+from service.jobs.fit import PointSet
+
+# What the library tries when no max_degree is given.
+DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one request may ask for.
+
+    Attributes
+    ----------
+    body_bytes
+        Largest body.
+    max_degree, resolution
+        Highest, by dimension.
+    system_bytes
+        Largest linear system: 3 rows of doubles per point, a column per coefficient.
+    wait
+        Longest wait, in seconds.
+
+    """
+
+    body_bytes: int
+    max_degree: dict[int, int]
+    resolution: dict[int, int]
+    system_bytes: int
+    wait: float
+
+    def check_fit(self, points: PointSet, options: dict[str, Any]) -> None:
+        """Refuse a fit that would be too large.
+
+        Raises
+        ------
+        InvalidInputError
+            If the degree is over the limit.
+        TooLargeError
+            If points and degree together are.
+
+        """
+        d, highest = points.dimension, self.max_degree[points.dimension]
+        asked = options.get("max_degree")
+        if asked is not None and asked > highest:
+            raise InvalidInputError(
+                f"max_degree may be at most {highest} for {d}D points here, not {asked}", ("options", "max_degree")
+            )
+        degree = asked if asked is not None else DEFAULT_MAX_DEGREE[d]
+        size = 24 * points.points * min(comb(degree + d, d), points.points)
+        if size > self.system_bytes:
+            raise TooLargeError(
+                f"{points.points} points up to degree {degree} make a system of {size} bytes; {self.system_bytes} are "
+                "allowed: lower max_degree, or send fewer points",
+                ("options", "max_degree"),
+            )
+
+    def check_resolution(self, resolution: int | None, dimension: int) -> None:
+        """Refuse a grid that would be too large.
+
+        Raises
+        ------
+        TooLargeError
+            If the resolution is over the limit.
+
+        """
+        if resolution is not None and resolution > self.resolution[dimension]:
+            raise TooLargeError(
+                f"resolution may be at most {self.resolution[dimension]} in {dimension}D here, not {resolution}",
+                ("resolution",),
+            )

@@ -1,0 +1,54 @@
+"""A fit as the JSON that callers see."""
+
+import hashlib
+from http import HTTPStatus
+from typing import Any
+
+import orjson
+from fastapi import Request, Response
+
+from service.jobs.fit import Fit
+
+
+def fit_response(
+    request: Request,
+    fit: Fit,
+    progress: list[dict[str, Any]],
+    status: HTTPStatus = HTTPStatus.OK,
+    headers: dict[str, str] | None = None,
+) -> Response:
+    """Return a fit as a response with a strong ETag."""
+    body = orjson.dumps(as_dict(fit, progress), option=orjson.OPT_UTC_Z)
+    etag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
+    sent = {"ETag": etag, "Content-Location": f"/v1/fits/{fit.id}", **(headers or {})}
+    if not fit.status.final:
+        sent["Retry-After"] = "1"
+    if request.method == "GET" and etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
+    return Response(body, status, sent, "application/json")
+
+
+def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the members of `FitResource` that this fit has."""
+    members: dict[str, Any] = {
+        "id": fit.id,
+        "status": fit.status,
+        "created": fit.created,
+        "started": fit.started,
+        "finished": fit.finished,
+        "dimension": fit.input.dimension,
+        "points": fit.input.points,
+        "options": fit.options,
+    }
+    if not fit.status.final:
+        members["progress"] = progress
+    if fit.failure is not None:
+        members["problem"] = {
+            "type": f"urn:ipfit:problem:{fit.failure.kind}",
+            "title": "The fit failed",
+            "status": int(HTTPStatus.INTERNAL_SERVER_ERROR),
+            "detail": fit.failure.detail,
+        }
+    if fit.result is not None:
+        members |= orjson.loads(fit.result)
+    return members

@@ -1,0 +1,177 @@
+"""What goes in and out as JSON: shapes, units and examples, for the OpenAPI document and for checking."""
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue
+
+from service.api.problems import Problem
+
+Row = Annotated[list[float], Field(min_length=2, max_length=6)]
+
+_ELLIPSE: JsonValue = [
+    [5.0, 1.0], [4.73, 1.77], [4.0, 2.41], [3.0, 2.73], [2.0, 2.73], [1.0, 2.41],
+    [0.27, 1.77], [0.0, 1.0], [0.27, 0.23], [1.0, -0.41], [2.0, -0.73], [3.0, -0.73],
+    [4.0, -0.41], [4.73, 0.23],
+]  # fmt: skip
+_OCTAHEDRON: JsonValue = [
+    [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0],
+    [0.577, 0.577, 0.577], [-0.577, 0.577, 0.577], [0.577, -0.577, 0.577], [0.577, 0.577, -0.577],
+    [-0.577, -0.577, 0.577], [-0.577, 0.577, -0.577], [0.577, -0.577, -0.577], [-0.577, -0.577, -0.577],
+]  # fmt: skip
+
+
+class FitOptions(BaseModel):
+    """The options of a fit. Distances are in mean radii: the mean distance of the points from their centroid."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    max_degree: int | None = Field(
+        None, ge=1, le=40, description="Last degree to try: 1 … 40 in 2D (default 20), 1 … 20 in 3D (default 16)."
+    )
+    layer_distance: float = Field(
+        0.05, gt=0, le=0.3, description="Distance of the two outer layers of the 3L constraints, in mean radii."
+    )
+    t1: float = Field(0.01, ge=0, description="Close enough when D_dist < t1, in mean radii.")
+    t2: float = Field(0.95, ge=-1, le=1, description="Smooth enough when D_smooth > t2, a mean cosine.")
+    collinear_tol: float = Field(
+        1e-10, ge=0, le=1, description="A column is dropped when at most this share of its length is new."
+    )
+    neighbours: int = Field(
+        12, ge=3, le=100, description="Neighbours that estimate a normal, when no normals are given."
+    )
+    basis: Literal["monomial", "chebyshev"] = Field(
+        "monomial",
+        description="What the coefficients multiply: powers of (x − centre)/scale, or products of Chebyshev "
+        "polynomials on the bounds, which keep more digits at high degree.",
+    )
+    measure_zero_set: bool = Field(
+        default=True, description="Whether to report the zero set's stray share and number of components."
+    )
+
+
+class PackedArray(BaseModel):
+    """An array as base64 of its bytes."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    dtype: str = Field(description="numpy's name of the number type: `<f8`, `<f4`, …", examples=["<f8"])
+    shape: list[int] = Field(min_length=2, max_length=2, description="Rows and columns.", examples=[[500, 3]])
+    data: str = Field(description="Base64 of the bytes, row by row.")
+
+
+class FitRequest(BaseModel):
+    """A point set to fit."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {"points": _ELLIPSE, "options": {"max_degree": 6}},
+                {"points": _OCTAHEDRON, "normals": _OCTAHEDRON, "options": {"max_degree": 2, "basis": "chebyshev"}},
+            ]
+        },
+    )
+
+    points: list[Row] | PackedArray = Field(
+        description="(N, 2) or (N, 3): coordinates in the caller's frame and unit. 2D points may run along an outline."
+    )
+    normals: list[Row] | PackedArray | None = Field(
+        None, description="(N, d): outward normals of any length. Without them they are estimated."
+    )
+    options: FitOptions = Field(default_factory=FitOptions, description="How to fit.")
+
+
+class Frame(BaseModel):
+    """The normalised frame: local = (x − centre) / scale."""
+
+    centre: list[float] = Field(description="(d,): the centroid of the points, caller's coordinates.")
+    scale: float = Field(description="The mean radius, in the caller's unit.")
+
+
+class Polynomial(BaseModel):
+    """f(x) = Σ coefficientᵢ · ((x − centre)/scale)^exponentᵢ, negative inside.
+
+    In the Chebyshev basis the power u^e is replaced by T_e(t) along each axis, with t running from −1 to 1 over the
+    bounds.
+    """
+
+    degree: int = Field(description="Total degree n.")
+    basis: Literal["monomial", "chebyshev"] = Field(description="What the coefficients multiply.")
+    exponents: list[list[int]] = Field(description="(m, d): the exponents of each coefficient, in graded order.")
+    coefficients: list[float] = Field(description="(m,): without unit; f is about the distance in mean radii.")
+    frame: Frame
+    bounds: list[list[float]] = Field(
+        description="(2, d): lower and upper corner, caller's coordinates: the box in which the fit was made and its "
+        "zero set checked. Outside it nothing is promised."
+    )
+
+
+class Step(BaseModel):
+    """One degree of the search."""
+
+    degree: int = Field(description="Total degree.")
+    columns: int = Field(description="Coefficients in use.")
+    dropped: int = Field(description="Coefficients left out because their columns are collinear with earlier ones.")
+    d_dist: float = Field(description="D_dist = mean |f|/‖∇f‖ at the points, in mean radii.")
+    d_smooth: float = Field(description="D_smooth = mean n·∇f/‖∇f‖ at the points, −1 … 1.")
+    rss: float = Field(description="Residual sum of squares of the linear system, in squared mean radii.")
+    gcv: float | None = Field(description="Generalised cross-validation; null where there are no rows to spare.")
+    condition: float | None = Field(description="Estimated condition of the scaled system; null if singular.")
+    seconds: float = Field(description="Wall-clock seconds.")
+
+
+class Diagnostics(BaseModel):
+    """The delivered polynomial, seen from the data. Distances are in mean radii."""
+
+    d_dist: float = Field(description="Mean of |f|/‖∇f‖ at the points.")
+    d_smooth: float = Field(description="Mean of n·∇f/‖∇f‖ at the points.")
+    distance_p95: float = Field(description="95th percentile of |f|/‖∇f‖ at the points.")
+    distance_max: float = Field(description="Maximum of |f|/‖∇f‖ at the points.")
+    stray: float | None = Field(
+        description="Share of the zero set's length or area, within the bounds, that lies away from all points; null "
+        "if not measured."
+    )
+    components: int | None = Field(description="Connected components of the zero set within the bounds.")
+    normal_source: Literal["given", "outline", "estimated"] = Field(description="Where the normals came from.")
+    normal_self_check: float = Field(
+        description="Share of points whose normal agrees with the inside that all normals describe, 0 … 1."
+    )
+
+
+class Engine(BaseModel):
+    """What makes the answer repeatable, together with the options."""
+
+    version: str = Field(description="Version of ipfit.")
+    input_sha256: str = Field(description="SHA-256 of points and normals, as doubles.")
+
+
+class FitResource(BaseModel):
+    """A fit. The members from `polynomial` on are there when it is successful, `problem` when it failed."""
+
+    id: str = Field(description="Names the fit in `/v1/fits/{id}`.")
+    status: Literal["accepted", "running", "successful", "failed", "dismissed"] = Field(
+        description="Accepted and running fits are live; the others have ended."
+    )
+    created: datetime = Field(description="When it was accepted, UTC.")
+    started: datetime | None = Field(description="When a worker last took it up, UTC.")
+    finished: datetime | None = Field(description="When it ended, UTC.")
+    dimension: int = Field(description="d, 2 or 3.")
+    points: int = Field(description="N, the number of points.")
+    options: dict[str, Any] = Field(description="As asked for; with defaults filled in when successful.")
+    progress: list[Step] = Field(default_factory=list, description="The degrees tried so far, while it is running.")
+    problem: Problem | None = Field(None, description="Why it failed.")
+    polynomial: Polynomial | None = Field(None, description="The answer.")
+    stop_reason: Literal["criterion-met", "max-degree", "too-few-points", "planar"] | None = Field(
+        None, description="Why no higher degree was tried."
+    )
+    steps: list[Step] | None = Field(None, description="Every degree that was tried.")
+    diagnostics: Diagnostics | None = None
+    warnings: list[str] | None = Field(None, description="What a careful user should know.")
+    engine: Engine | None = None
+
+
+class Health(BaseModel):
+    """The server's state in a word."""
+
+    status: Literal["ok"] = Field(description="`ok`.")

@@ -1,0 +1,122 @@
+"""`ipfit fit`: fit the points of a file here and now, without a server."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import orjson
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+import ipcore
+from service.formats import files, picture, point_sets
+from service.formats.zero_sets import WRITERS
+from service.jobs.drawing import FILES
+from service.jobs.errors import InvalidInputError
+from service.jobs.fit import PointSet
+
+MAX_POINTS = 10_000_000
+
+
+def fit(  # noqa: PLR0913, PLR0917 - one option each
+    file: Annotated[
+        Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
+    ],
+    mesh: Annotated[
+        Path | None, typer.Option(help="Write the zero set here: .glb .ply .stl .obj in 3D, .svg .geojson in 2D.")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
+    output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
+    max_degree: Annotated[
+        int | None, typer.Option(help="Last degree to try; 20 in 2D and 16 in 3D by default.")
+    ] = None,
+    layer_distance: Annotated[float, typer.Option(help="Distance of the two outer layers, in mean radii.")] = 0.05,
+    t1: Annotated[float, typer.Option(help="Close enough when D_dist is below this, in mean radii.")] = 0.01,
+    t2: Annotated[float, typer.Option(help="Smooth enough when D_smooth is above this.")] = 0.95,
+    collinear_tol: Annotated[float, typer.Option(help="A column is dropped when no more of it is new.")] = 1e-10,
+    neighbours: Annotated[int, typer.Option(help="Neighbours that estimate a normal.")] = 12,
+    basis: Annotated[ipcore.Basis, typer.Option(help="What the coefficients multiply.")] = ipcore.Basis.MONOMIAL,
+    resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
+) -> None:
+    """Fit the points of FILE and say what came out."""
+    try:
+        options = ipcore.FitOptions(
+            max_degree=max_degree,
+            layer_distance=layer_distance,
+            t1=t1,
+            t2=t2,
+            collinear_tol=collinear_tol,
+            neighbours=neighbours,
+            basis=basis,
+        )
+        _run(file, options, {"mesh": mesh, "plot": plot, "output": output}, resolution)
+    except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(2) from error
+
+
+def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None) -> None:
+    given = files.read_file(file, MAX_POINTS)
+    writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
+    points, normals = point_sets.split(given.content, given.dimension)
+    with _bar(options.degree_cap(given.dimension)) as show:
+        result = ipcore.fit(points, normals, options, progress=show)
+    _summarise(file, given, result)
+    if targets["mesh"] is not None and writer is not None:
+        zero_set = ipcore.zero_set(result.polynomial, resolution=resolution, data=points)
+        _write(targets["mesh"], writer(zero_set))
+    if targets["plot"] is not None:
+        _write(targets["plot"], picture.plot(result, points))
+    if targets["output"] is not None:
+        _write(targets["output"], orjson.dumps(result.to_dict(), option=orjson.OPT_INDENT_2))
+
+
+def _mesh_writer(path: Path | None, dimension: int) -> Callable[[ipcore.ZeroSet], bytes] | None:
+    """Return what writes a zero set of this dimension to a file with this ending."""
+    if path is None:
+        return None
+    known = [kind.name for kind in FILES if kind.dimension == dimension]
+    if path.suffix[1:].lower() not in known:
+        raise InvalidInputError(
+            f"--mesh of a {dimension}D fit must end in one of {', '.join(known)}, not {path.suffix!r}"
+        )
+    return WRITERS[path.suffix[1:].lower()]
+
+
+@contextmanager
+def _bar(last: int) -> Iterator[Callable[[ipcore.Step], None]]:
+    """Yield a progress callable that shows each degree as it comes."""
+    columns = (
+        TextColumn("degree {task.completed:>2.0f} of at most {task.total:.0f}"),
+        BarColumn(),
+        TextColumn("{task.fields[closeness]}"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        bar = progress.add_task("fit", total=last, closeness="")
+
+        def show(step: ipcore.Step) -> None:
+            closeness = f"D_dist {step.d_dist:.4f}  D_smooth {step.d_smooth:.4f}"
+            progress.update(bar, completed=step.degree, closeness=closeness)
+
+        yield show
+
+
+def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
+    found = result.diagnostics
+    typer.echo(f"{file.name}: {given.points} points in {given.dimension}D, normals {found.normal_source}")
+    typer.echo(
+        f"degree {result.degree}, {len(result.polynomial.coefficients)} coefficients, stopped: {result.stop_reason}"
+    )
+    typer.echo(f"D_dist {found.d_dist:.4f} mean radii, D_smooth {found.d_smooth:.4f}")
+    if found.stray is not None:
+        typer.echo(f"zero set: {found.components} components, {found.stray:.2%} of it away from the data")
+    for warning in result.warnings:
+        typer.echo(f"warning: {warning}")
+
+
+def _write(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+    typer.echo(f"wrote {path} ({len(content)} bytes)")

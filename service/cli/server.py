@@ -1,0 +1,55 @@
+"""Commands about the server: run it, print its OpenAPI document, ask whether it is ready."""
+
+import sys
+from typing import Annotated
+from urllib.error import URLError
+from urllib.request import urlopen
+
+import orjson
+import typer
+import uvicorn
+from pydantic import ValidationError
+
+from service.bootstrap import embedded
+from service.settings import Settings
+
+
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen on; else IPFIT_HOST.")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on; else IPFIT_PORT.")] = None,
+) -> None:
+    """Serve fits over HTTP, with everything kept in one folder. Settings come from IPFIT_* variables."""
+    settings = _settings()
+    given = {"host": host, "port": port}
+    settings = settings.model_copy(update={name: value for name, value in given.items() if value is not None})
+    uvicorn.run(embedded(settings), host=settings.host, port=settings.port)
+
+
+def openapi() -> None:
+    """Print the OpenAPI document."""
+    document = embedded(_settings()).openapi()
+    sys.stdout.buffer.write(orjson.dumps(document, option=orjson.OPT_INDENT_2) + b"\n")
+
+
+def healthcheck() -> None:
+    """Exit with 0 if the server on this machine is ready, else with 1."""
+    settings = _settings()
+    host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(settings.host, settings.host)  # noqa: S104 - looked up, not bound
+    try:
+        with urlopen(f"http://{host}:{settings.port}/readyz", timeout=5.0):
+            return
+    except (URLError, OSError) as error:
+        typer.echo(f"not ready: {error}", err=True)
+        raise typer.Exit(1) from error
+
+
+def _settings() -> Settings:
+    """Return the settings, or say which variable is wrong."""
+    try:
+        return Settings()
+    except ValidationError as error:
+        for one in error.errors():
+            typer.echo(
+                f"IPFIT_{one['loc'][0]}: {one['msg']}".replace(str(one["loc"][0]), str(one["loc"][0]).upper(), 1)
+            )
+        raise typer.Exit(2) from error

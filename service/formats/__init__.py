@@ -1,0 +1,1 @@
+"""Point sets in; meshes, outlines and pictures out."""

@@ -1,0 +1,36 @@
+"""Reading point sets off the event loop: a small body in a thread, a large one in a worker process."""
+
+import asyncio
+from dataclasses import dataclass
+from pathlib import Path
+
+from service.formats import point_sets
+from service.jobs.fit import PointSet
+from service.jobs.ports import Workers
+
+
+@dataclass(frozen=True)
+class Intake:
+    """The reader that the use cases are given.
+
+    Attributes
+    ----------
+    workers
+        Where large bodies are read.
+    max_points
+        More are refused.
+    deadline
+        Seconds that reading one may take.
+
+    """
+
+    workers: Workers
+    max_points: int
+    deadline: float
+
+    async def read(self, body: bytes | Path, kind: str) -> PointSet:
+        """Read and check a body of this kind."""
+        if isinstance(body, bytes):
+            return await asyncio.to_thread(point_sets.read, body, kind, self.max_points)
+        points: PointSet = await self.workers.run(point_sets.read, body, kind, self.max_points, deadline=self.deadline)
+        return points

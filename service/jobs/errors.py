@@ -1,0 +1,57 @@
+"""What the use cases raise. The API has one table from these to HTTP."""
+
+
+class JobError(Exception):
+    """Base of the errors below; the message is for the caller."""
+
+
+class FitNotFoundError(JobError):
+    """No fit has this id: it never existed, or was removed."""
+
+
+class FitNotFinishedError(JobError):
+    """The fit has no answer yet."""
+
+
+class FitWithoutResultError(JobError):
+    """The fit ended without an answer: it failed or was dismissed."""
+
+
+class DeadlineExceededError(JobError):
+    """The work took longer than it may, and its worker was killed."""
+
+
+class WorkerCrashedError(JobError):
+    """The worker process died in the middle of the work."""
+
+
+class InvalidInputError(JobError):
+    """What the caller sent cannot be fitted or drawn.
+
+    Attributes
+    ----------
+    at
+        The place in what was sent, outermost first: `("points", 17, 1)`.
+
+    """
+
+    def __init__(self, message: str, at: tuple[str | int, ...] = ()) -> None:
+        """Keep the sentence and the place."""
+        super().__init__(message)
+        self.at = at
+
+    def __reduce__(self) -> tuple[type["InvalidInputError"], tuple[str, tuple[str | int, ...]]]:
+        """Pickle with both arguments, for the way back from a worker."""
+        return type(self), (str(self), self.at)
+
+
+class MalformedInputError(InvalidInputError):
+    """The body is not what its media type says: it cannot be read at all."""
+
+
+class TooLargeError(InvalidInputError):
+    """The input is over a limit of this server."""
+
+
+class ShuttingDownError(JobError):
+    """The server is stopping and takes nothing new."""

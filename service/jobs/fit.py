@@ -1,0 +1,127 @@
+"""A fit as the service knows it, and the one table of its legal moves."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+from typing import Any
+
+
+class FitStatus(StrEnum):
+    """Where a fit is in its life."""
+
+    ACCEPTED = "accepted"
+    RUNNING = "running"
+    SUCCESSFUL = "successful"
+    FAILED = "failed"
+    DISMISSED = "dismissed"
+
+    @property
+    def final(self) -> bool:
+        """Return whether nothing can happen to the fit any more."""
+        return not MOVES[self]
+
+
+# running → accepted: its worker died, or the server stopped, and it is to run again.
+MOVES: dict[FitStatus, frozenset[FitStatus]] = {
+    FitStatus.ACCEPTED: frozenset({FitStatus.RUNNING, FitStatus.DISMISSED}),
+    FitStatus.RUNNING: frozenset(
+        {FitStatus.SUCCESSFUL, FitStatus.FAILED, FitStatus.DISMISSED, FitStatus.ACCEPTED},
+    ),
+    FitStatus.SUCCESSFUL: frozenset(),
+    FitStatus.FAILED: frozenset(),
+    FitStatus.DISMISSED: frozenset(),
+}
+
+
+def sources(target: FitStatus) -> list[FitStatus]:
+    """Return the statuses from which a fit may move to `target`.
+
+    >>> [str(status) for status in sources(FitStatus.DISMISSED)]
+    ['accepted', 'running']
+    """
+    return [status for status, targets in MOVES.items() if target in targets]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a fit failed.
+
+    Attributes
+    ----------
+    kind
+        A stable word: `worker-crashed`, `deadline-exceeded`, `fit-error`.
+    detail
+        One sentence.
+
+    """
+
+    kind: str
+    detail: str
+
+
+@dataclass(frozen=True)
+class PointSet:
+    """A point set that was read and checked, not yet stored.
+
+    Attributes
+    ----------
+    content
+        An npy file of doubles: (N, d) points, or (N, 2d) points and unit normals.
+    dimension, points
+        d and N.
+    options
+        What came along in the same body, unchecked.
+
+    """
+
+    content: bytes
+    dimension: int
+    points: int
+    options: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class PointSetRef:
+    """A point set that was read, checked and stored.
+
+    Attributes
+    ----------
+    key
+        Of the blob: an (N, d) npy of points, or (N, 2d) of points and normals, doubles.
+    dimension, points
+        d and N.
+
+    """
+
+    key: str
+    dimension: int
+    points: int
+
+
+@dataclass(frozen=True)
+class Fit:
+    """One fit.
+
+    Attributes
+    ----------
+    options
+        What was asked for, by option name; defaults are not filled in.
+    attempt
+        How often it was started: 0 while it waits for the first time.
+    result
+        JSON of the answer, when successful.
+    failure
+        Why, when failed.
+
+    """
+
+    id: str
+    status: FitStatus
+    input: PointSetRef
+    options: dict[str, Any]
+    created: datetime
+    started: datetime | None = None
+    finished: datetime | None = None
+    attempt: int = 0
+    result: bytes | None = None
+    failure: Failure | None = None

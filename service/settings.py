@@ -1,0 +1,35 @@
+"""Settings, from IPFIT_* environment variables."""
+
+import os
+from pathlib import Path
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+class Settings(BaseSettings):
+    """Everything a server can be told. The README's table is made from these fields."""
+
+    model_config = SettingsConfigDict(env_prefix="IPFIT_", frozen=True)
+
+    host: str = Field("127.0.0.1", description="Address to listen on.")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    data_dir: Path = Field(Path("ipfit-data"), description="Folder of the database and the stored point sets.")
+    workers: int = Field(
+        default_factory=lambda: os.cpu_count() or 1, ge=1, description="Fits that run at once, a process each."
+    )
+    tasks_per_worker: int = Field(100, ge=1, description="Tasks after which a worker process is replaced.")
+    fit_deadline: float = Field(600.0, gt=0, description="Seconds that a fit may run before it is killed.")
+    mesh_deadline: float = Field(60.0, gt=0, description="Seconds that reading an input or making a mesh may take.")
+    max_body_bytes: int = Field(64 * 2**20, ge=1024, description="Largest request body, in bytes.")
+    max_points: int = Field(100_000, ge=4, description="Most points in a point set.")
+    max_degree_2d: int = Field(40, ge=1, le=40, description="Highest `max_degree` that a 2D fit may ask for.")
+    max_degree_3d: int = Field(20, ge=1, le=20, description="Highest `max_degree` that a 3D fit may ask for.")
+    max_system_bytes: int = Field(
+        4 * 2**30,
+        ge=2**20,
+        description="Largest linear system that a fit may build, in bytes: 24 · points · coefficients.",
+    )
+    max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis for a 2D zero set.")
+    max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis for a 3D zero set.")
+    max_wait: float = Field(300.0, ge=0, description="Longest that a request may wait for a fit, in seconds.")

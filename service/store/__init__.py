@@ -1,0 +1,1 @@
+"""Where fits and their inputs are kept."""

@@ -1,0 +1,53 @@
+"""Content-addressed bytes on any fsspec file system."""
+
+import hashlib
+import os
+from dataclasses import dataclass
+from uuid import uuid4
+
+import fsspec
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """Bytes in a folder, each under the SHA-256 of its content, two levels deep.
+
+    Attributes
+    ----------
+    url
+        The folder: a path, or any URL that fsspec knows.
+
+    """
+
+    url: str
+
+    def put(self, content: bytes) -> str:
+        """Store bytes and return their key: written aside, flushed and renamed, so a key never names half a blob."""
+        key = hashlib.sha256(content).hexdigest()
+        fs, path = self._at(key)
+        if fs.exists(path):
+            return key
+        fs.makedirs(fs._parent(path), exist_ok=True)  # noqa: SLF001 - fsspec's documented way to a parent path
+        aside = f"{path}.{uuid4().hex}"
+        with fs.open(aside, "wb") as file:
+            file.write(content)
+            file.flush()
+            if "file" in fs.protocol:
+                os.fsync(file.fileno())
+        fs.mv(aside, path)
+        return key
+
+    def get(self, key: str) -> bytes:
+        """Return the bytes stored under a key."""
+        fs, path = self._at(key)
+        return bytes(fs.cat_file(path))
+
+    def delete(self, key: str) -> None:
+        """Remove the bytes under a key, if they are there."""
+        fs, path = self._at(key)
+        if fs.exists(path):
+            fs.rm_file(path)
+
+    def _at(self, key: str) -> tuple[fsspec.AbstractFileSystem, str]:
+        fs, root = fsspec.url_to_fs(self.url)
+        return fs, f"{root}/{key[:2]}/{key}"

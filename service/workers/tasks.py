@@ -1,0 +1,21 @@
+"""What runs inside a worker: a fit, from the stored point set to the answer's JSON."""
+
+from dataclasses import asdict
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+import orjson
+
+import ipcore
+from service.jobs.ports import BlobStore
+from service.workers.progress import report
+
+
+def fit(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any]) -> bytes:
+    """Fit a stored point set and return the answer as JSON; every degree is reported as it is made."""
+    table = np.load(BytesIO(blobs.get(key)), allow_pickle=False)
+    normals = table[:, dimension:] if table.shape[1] > dimension else None
+    chosen = ipcore.FitOptions(**options)
+    result = ipcore.fit(table[:, :dimension], normals, chosen, progress=lambda step: report(asdict(step)))
+    return orjson.dumps(result.to_dict())
