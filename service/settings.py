@@ -33,3 +33,12 @@ class Settings(BaseSettings):
     max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis for a 2D zero set.")
     max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis for a 3D zero set.")
     max_wait: float = Field(300.0, ge=0, description="Longest that a request may wait for a fit, in seconds.")
+
+
+def table() -> str:
+    """Return the settings as a Markdown table: variable, default, meaning."""
+    rows = ["| variable | default | meaning |", "| --- | --- | --- |"]
+    for name, field in Settings.model_fields.items():
+        default = "the number of cores" if field.default_factory else f"`{field.default}`"
+        rows.append(f"| `IPFIT_{name.upper()}` | {default} | {field.description} |")
+    return "\n".join(rows)

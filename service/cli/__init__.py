@@ -10,7 +10,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Implicit polynomials from point sets, of the degree they need.",
 )
-for command in (fit.fit, server.serve, server.openapi, server.healthcheck):
+for command in (fit.fit, server.serve, server.openapi, server.settings, server.healthcheck):
     app.command()(command)
 
 

@@ -1,6 +1,9 @@
 """Commands about the server: run it, print its OpenAPI document, ask whether it is ready."""
 
+import signal
+import socket
 import sys
+from contextlib import suppress
 from typing import Annotated
 from urllib.error import URLError
 from urllib.request import urlopen
@@ -8,10 +11,29 @@ from urllib.request import urlopen
 import orjson
 import typer
 import uvicorn
+from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.bootstrap import embedded
+from service.bootstrap import embedded, stop
 from service.settings import Settings
+
+# Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for
+# uploads and drawings.
+GRACE = 5
+
+
+class _Server(uvicorn.Server):
+    """Uvicorn, with the application told that it is to stop before its open requests are waited for."""
+
+    def __init__(self, app: FastAPI, settings: Settings) -> None:
+        super().__init__(
+            uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE)
+        )
+        self._app = app
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        stop(self._app)
+        await super().shutdown(sockets)
 
 
 def serve(
@@ -22,7 +44,10 @@ def serve(
     settings = _settings()
     given = {"host": host, "port": port}
     settings = settings.model_copy(update={name: value for name, value in given.items() if value is not None})
-    uvicorn.run(embedded(settings), host=settings.host, port=settings.port)
+    # Uvicorn takes signals while it runs and raises them again when it has stopped: to stop when told to is no failure.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    with suppress(KeyboardInterrupt):
+        _Server(embedded(settings), settings).run()
 
 
 def openapi() -> None:
@@ -49,7 +74,5 @@ def _settings() -> Settings:
         return Settings()
     except ValidationError as error:
         for one in error.errors():
-            typer.echo(
-                f"IPFIT_{one['loc'][0]}: {one['msg']}".replace(str(one["loc"][0]), str(one["loc"][0]).upper(), 1)
-            )
+            typer.echo(f"IPFIT_{str(one['loc'][0]).upper()}: {one['msg']}", err=True)
         raise typer.Exit(2) from error

@@ -12,9 +12,10 @@ from ipcore.frame import Frame
 from ipcore.polynomial import ImplicitPolynomial
 from ipcore.zero_set import ZeroSet, zero_set
 from service.formats import meshes
-from service.formats.zero_sets import FORMATS, by_media_type, by_name
+from service.formats.zero_sets import WRITERS
+from service.jobs.drawing import FILES
 
-NAMES = [known.name for known in FORMATS if known.dimension == 3]
+NAMES = [known.name for known in FILES if known.dimension == 3]
 SINGLE, DOUBLE = float(np.finfo(np.float32).eps), float(np.finfo(float).eps)
 
 
@@ -25,9 +26,7 @@ def torus(shift: float = 0.0, scale: float = 1.0) -> ZeroSet:
 
 
 def write(z: ZeroSet, name: str) -> bytes:
-    found = by_name(name)
-    assert found is not None
-    return found.write(z)
+    return WRITERS[name](z)
 
 
 def read(data: bytes, name: str) -> trimesh.Trimesh:
@@ -105,28 +104,7 @@ def test_no_surface_is_a_file_with_no_faces(name: str) -> None:
     assert len(data) > 0
 
 
-@pytest.mark.parametrize(
-    ("dimension", "media_range", "name"),
-    [
-        (3, "model/gltf-binary", "glb"),
-        (3, "Application/X-PLY", "ply"),
-        (3, "model/ply", "ply"),
-        (3, "model/*", "glb"),
-        (3, "*/*", "glb"),
-        (2, "*/*", "svg"),
-        (2, "application/geo+json", "geojson"),
-        (2, "image/*", "svg"),
-        (2, "model/stl", None),
-        (3, "text/html", None),
-    ],
-)
-def test_formats_are_found_by_media_range(dimension: int, media_range: str, name: str | None) -> None:
-    found = by_media_type(dimension, media_range)
-    assert (found and found.name) == name
-
-
-def test_names_and_media_types_are_unique() -> None:
-    types = [media_type for known in FORMATS for media_type in known.media_types]
+def test_every_kind_that_is_offered_has_its_writer() -> None:
+    assert list(WRITERS) == [kind.name for kind in FILES]
+    types = [media_type for kind in FILES for media_type in kind.media_types]
     assert len(set(types)) == len(types)
-    assert [by_name(known.name.upper()) for known in FORMATS] == list(FORMATS)
-    assert by_name("pdf") is None

@@ -1,0 +1,45 @@
+"""Every command and every example of the README, run as it stands there, in its order, against a real server."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import trimesh
+
+from service.settings import table
+
+README = Path(__file__).parent.parent / "README.md"
+BLOCK = re.compile(r"^```(python|sh)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def run(kind: str, code: str, folder: Path) -> str:
+    command = [sys.executable, "-c", code] if kind == "python" else ["bash", "-euo", "pipefail", "-c", code]
+    done = subprocess.run(  # noqa: S603 - the README's own commands
+        command, cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, f"{code}\n{done.stderr}"
+    return done.stdout
+
+
+def test_every_example_works_as_written(server: str, tmp_path: Path) -> None:
+    here = f"{Path(sys.executable).parent}{os.sep}"
+    outputs = []
+    for kind, code in BLOCK.findall(README.read_text(encoding="utf-8")):
+        adapted = code.replace("http://127.0.0.1:8000", server).replace(".venv/bin/", here)
+        outputs.append(run(kind, adapted, tmp_path))
+    told = "\n".join(outputs)
+    assert '"degree":2' in told
+    assert "[ True]" in told  # the cell's centre is inside
+    assert "criterion-met" in told
+    assert "[ True False]" in told  # the torus's core circle is inside, the other point is not
+    for name in ("torus.glb", "torus.ply"):
+        mesh = trimesh.load_mesh(tmp_path / name)
+        assert mesh.is_watertight
+        assert mesh.euler_number == 0
+    assert (tmp_path / "torus.svg").read_bytes().startswith(b"<svg")
+
+
+def test_the_table_of_settings_is_that_of_the_code() -> None:
+    assert table() in README.read_text(encoding="utf-8")
