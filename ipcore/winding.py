@@ -1,7 +1,7 @@
 """The generalised winding number of oriented points: which side of the shape a query lies on.
 
-A closed surface fills the solid angle 4π seen from inside and 0 from outside; a closed curve in 2D, 2π and 0. A sample p
-with outward unit normal n stands for a patch of area A, which acts like a dipole (Barill, Dickson, Schmidt, Levin and
+A closed surface fills the solid angle 4π seen from inside and 0 from outside; a closed curve in 2D, 2π and 0. A sample
+p with outward unit normal n stands for a patch of area A, which acts like a dipole (Barill, Dickson, Schmidt, Levin and
 Jacobson 2018; Jacobson, Kavan and Sorkine-Hornung 2013):
 
     w(q) = Σ A n·(p − q) / (4π ‖p − q‖³)        in 2D Σ A n·(p − q) / (2π ‖p − q‖²)
@@ -21,7 +21,7 @@ SUBSET = 20_000  # of the self-check, points
 PROBES = 600  # of the self-check: a standard error of 0.02 at most; with SUBSET 2.4e7 pairs, 0.15 s
 HALF = 0.5  # the winding number on the surface itself
 OFFSET = 0.7  # spacings, where "just inside" is. On 27 sets with 10 % of the true normals turned about: at 0.5 the
-# check gives 0.89–1.00 (a point's own dipole drowns the rest), at 0.7 0.88–0.94, at 1.0 0.87–0.93. With none turned it
+# check gives 0.90–1.00 (a point's own dipole drowns the rest), at 0.7 0.88–0.94, at 1.0 0.87–0.93. With none turned it
 # gives at least 0.985, 0.98 and 0.95
 
 
@@ -109,9 +109,9 @@ def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray,
 def self_check(points: FloatArray, normals: FloatArray) -> float:
     """Return the share of points with w > ½ just inside and w < ½ just outside: a check that needs no truth.
 
-    Below about 0.9 many normals point inward, or the points bound no volume (a plane gets 0). A large patch turned about
-    as a whole is partly hidden, for there it looks like the wall of a hole. The share is estimated on a fixed random
-    subset, so that its cost does not grow with N.
+    Below about 0.9 many normals point inward, or the points bound no volume: on a plane w passes ½ on neither side for
+    sure. A large patch turned about as a whole is partly hidden, for there it looks like the wall of a hole. The share
+    is estimated on a fixed random subset, so that its cost does not grow with N.
 
     Parameters
     ----------
