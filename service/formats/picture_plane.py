@@ -11,7 +11,7 @@ from ipcore._typing import BoolArray, FloatArray
 from ipcore.frame import Frame
 from ipcore.mesh import labels
 from ipcore.polynomial import ImplicitPolynomial
-from ipcore.zero_set import ZeroSet, near, zero_set
+from ipcore.zero_set import ZeroSet, near, reach, zero_set
 
 WIDTH, HEIGHT = 470.0, 396.0  # px, of the space for a shape
 BLUE, WARNING, INK, INSIDE, RIM = "#2463a6", "#e8590c", "#1f2933", "#e3eef9", "#c3ccd5"
@@ -88,7 +88,7 @@ def supported(whole: ZeroSet, points: FloatArray) -> BoolArray:
     Other branches may pass near the data, too; few of the data are nearest to them.
     """
     close, _ = cKDTree(points).query(whole.vertices[whole.cells].mean(axis=1))
-    kept: BoolArray = np.asarray(close <= near(points, Frame.of(points).scale))
+    kept: BoolArray = np.asarray(close <= max(near(points, Frame.of(points).scale), reach(points)))
     if not kept.any():
         return kept
     label = labels(whole.cells[kept], len(whole.vertices))

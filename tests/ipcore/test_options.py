@@ -1,6 +1,5 @@
 from typing import Any
 
-import numpy as np
 import pytest
 
 from ipcore.errors import InvalidOptionsError
@@ -34,6 +33,6 @@ def test_a_wrong_value_is_refused_by_name(name: str, value: Any) -> None:  # noq
 def test_degree_cap_depends_on_the_dimension() -> None:
     assert FitOptions().degree_cap(2) == 20
     assert FitOptions().degree_cap(3) == 16
-    assert FitOptions(max_degree=np.int64(30)).degree_cap(2) == 30
+    assert FitOptions(max_degree=30).degree_cap(2) == 30
     with pytest.raises(InvalidOptionsError, match="at most 20 for 3D points, not 21"):
         FitOptions(max_degree=21).degree_cap(3)
