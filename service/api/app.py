@@ -8,6 +8,7 @@ from fastapi import FastAPI
 
 from service.api import docs, problems
 from service.api.context import Context
+from service.api.document import DocumentedApp
 from service.api.routes import fits, health
 
 DESCRIPTION = """\
@@ -31,7 +32,7 @@ def create_app(startup: Startup) -> FastAPI:
             app.state.context = context
             yield
 
-    app = FastAPI(
+    app = DocumentedApp(
         title="ipfit",
         version=version("ipfit"),
         summary="Implicit polynomials from point sets, of the degree they need.",

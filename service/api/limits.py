@@ -34,8 +34,8 @@ class Limits:
     system_bytes: int
     wait: float
 
-    def check_fit(self, points: PointSet, options: dict[str, Any]) -> None:
-        """Refuse a fit that would be too large.
+    def checked(self, points: PointSet, options: dict[str, Any]) -> dict[str, Any]:
+        """Return the options, with this server's highest degree if it is below the library's default; refuse too much.
 
         Raises
         ------
@@ -51,7 +51,7 @@ class Limits:
             raise InvalidInputError(
                 f"max_degree may be at most {highest} for {d}D points here, not {asked}", ("options", "max_degree")
             )
-        degree = asked if asked is not None else DEFAULT_MAX_DEGREE[d]
+        degree = asked if asked is not None else min(DEFAULT_MAX_DEGREE[d], highest)
         size = 24 * points.points * min(comb(degree + d, d), points.points)
         if size > self.system_bytes:
             raise TooLargeError(
@@ -59,18 +59,19 @@ class Limits:
                 "allowed: lower max_degree, or send fewer points",
                 ("options", "max_degree"),
             )
+        return options if degree == (asked or DEFAULT_MAX_DEGREE[d]) else options | {"max_degree": degree}
 
     def check_resolution(self, resolution: int | None, dimension: int) -> None:
         """Refuse a grid that would be too large.
 
         Raises
         ------
-        TooLargeError
+        InvalidInputError
             If the resolution is over the limit.
 
         """
         if resolution is not None and resolution > self.resolution[dimension]:
-            raise TooLargeError(
+            raise InvalidInputError(
                 f"resolution may be at most {self.resolution[dimension]} in {dimension}D here, not {resolution}",
                 ("resolution",),
             )

@@ -23,14 +23,14 @@ def point_set_kind(request: Request, named: str | None) -> str:
     """
     encoding = request.headers.get("content-encoding", "identity")
     if encoding != "identity":
-        raise HTTPException(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"Content-Encoding {encoding!r} is not read here")
+        raise HTTPException(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"Content-Encoding {encoding[:100]!r} is not read here")
     if named is not None:
         return named
     sent = media_type(request.headers.get("content-type", JSON))
     if sent not in POINT_SETS:
         known = ", ".join(POINT_SETS)
         raise HTTPException(
-            HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"{sent} is not read here; known are {known}, or say ?format="
+            HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"{sent[:100]} is not read here; known are {known}, or say ?format="
         )
     return POINT_SETS[sent]
 
@@ -48,7 +48,7 @@ def file_kind(request: Request, dimension: int, named: str | None = None) -> Fil
     accept = request.headers.get("accept", "*/*")
     chosen = _named(made, named) if named is not None else _best(accept, made)
     if chosen is None:
-        asked = f"format={named}" if named is not None else f"Accept: {accept}"
+        asked = f"format={named}" if named is not None else f"Accept: {accept[:100]}"
         known = ", ".join(f"{kind.name} ({kind.media_types[0]})" for kind in made)
         raise HTTPException(HTTPStatus.NOT_ACCEPTABLE, f"{asked}: a {dimension}D zero set comes as {known}")
     return chosen

@@ -12,12 +12,19 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
+from starlette.routing import BaseRoute, Match, Mount
 
 from service.jobs import errors
 
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
+# Seconds after which it is worth to ask again.
+RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10"}
+# What is told of a request with thousands of them.
+MOST_FAULTS = 10
+METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 _TRACEPARENT = re.compile(r"[0-9a-f]{2}-([0-9a-f]{32})-[0-9a-f]{16}-[0-9a-f]{2}")
 
 # Exception → (status, type, title). The first that matches counts, so the special stand before the general.
@@ -31,6 +38,7 @@ TABLE: tuple[tuple[type[Exception], HTTPStatus, str, str], ...] = (
     (errors.DeadlineExceededError, HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The work took too long"),
     (errors.WorkerCrashedError, HTTPStatus.SERVICE_UNAVAILABLE, "worker-crashed", "A worker died doing the work"),
     (errors.ShuttingDownError, HTTPStatus.SERVICE_UNAVAILABLE, "shutting-down", "The server is stopping"),
+    (errors.NotReadyError, HTTPStatus.SERVICE_UNAVAILABLE, "not-ready", "The server is not ready"),
 )
 
 
@@ -97,25 +105,41 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(errors.JobError, _job_error)
     app.add_exception_handler(RequestValidationError, _invalid_request)
     app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(ClientDisconnect, _gone)
     app.add_exception_handler(Exception, _unexpected)
 
 
 def _job_error(request: Request, error: Exception) -> Response:
     status, kind, title = next(row[1:] for row in TABLE if isinstance(error, row[0]))
     at = getattr(error, "at", ())
-    faults = [Fault(detail=str(error), pointer=pointer(at))] if at else []
-    if kind in ("deadline-exceeded", "worker-crashed"):
-        logger.warning("%s: %s (trace %s)", kind, error, trace_id(request))
-    headers = {"Retry-After": "1"} if kind == "fit-not-finished" else None
+    faults = [_fault(request, str(error), at)] if at else []
+    if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
+        logger.warning("%s: %s (trace %s)", kind, error, trace_id(request), exc_info=error.__cause__)
+    headers = {"Retry-After": RETRY_AFTER[kind]} if kind in RETRY_AFTER else {}
+    if kind == "too-large":  # else the server would read and drop the rest of the body, however long it is
+        headers["Connection"] = "close"
     return response(request, status, kind, str(error), faults, title=title, headers=headers)
+
+
+def _fault(request: Request, detail: str, at: tuple[str | int, ...]) -> Fault:
+    """Return what is wrong and where: in the query, if the place is there by name, else in the body."""
+    named = next((part for part in at if part in request.query_params), None)
+    if named is not None:
+        return Fault(detail=detail, parameter=str(named))
+    return Fault(detail=detail, pointer=pointer(at))
+
+
+def _gone(request: Request, _error: Exception) -> Response:
+    """Answer a caller who left while the body was coming; nobody reads this."""
+    return response(request, HTTPStatus.BAD_REQUEST, "incomplete-request", "the connection was closed by the caller")
 
 
 def _invalid_request(request: Request, error: Exception) -> Response:
     """Answer for query parameters and headers that do not validate."""
     assert isinstance(error, RequestValidationError)  # noqa: S101 - narrows the type for the reader and for mypy
     faults = [
-        Fault(detail=str(one["msg"]), parameter=".".join(str(part) for part in one["loc"][1:]) or str(one["loc"][0]))
-        for one in error.errors()
+        Fault(detail=str(one["msg"]), parameter=(".".join(map(str, one["loc"][1:])) or str(one["loc"][0]))[:100])
+        for one in error.errors()[:MOST_FAULTS]
     ]
     detail = "; ".join(f"{fault.parameter}: {fault.detail}" for fault in faults)
     return response(request, HTTPStatus.UNPROCESSABLE_ENTITY, "invalid-parameter", detail, faults)
@@ -126,12 +150,27 @@ def _http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)  # noqa: S101 - as above
     status = HTTPStatus(error.status_code)
     details = {
-        HTTPStatus.NOT_FOUND: f"there is nothing at {request.url.path}",
-        HTTPStatus.METHOD_NOT_ALLOWED: f"{request.url.path} does not answer to {request.method}",
+        HTTPStatus.NOT_FOUND: f"there is nothing at {request.url.path[:200]}",
+        HTTPStatus.METHOD_NOT_ALLOWED: f"{request.url.path[:200]} does not answer to {request.method}",
     }
     kind = status.phrase.lower().replace(" ", "-").replace("'", "")
     headers = dict(error.headers or {})
+    if status is HTTPStatus.METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(sorted(_allowed(request)))
     return response(request, status, kind, details.get(status, str(error.detail)), headers=headers)
+
+
+def _allowed(request: Request) -> set[str]:
+    """Return every method that the path answers to; the framework names only those of the first route that fits."""
+    # The scope as it came: on the way to the error, routers have written into the request's own.
+    scope = {**request.scope, "root_path": request.scope.get("app_root_path", "")}
+    return {method for method in METHODS if _answers(request.app.routes, scope | {"method": method})}
+
+
+def _answers(routes: list[BaseRoute], scope: dict[str, Any]) -> bool:
+    """Return whether a route takes this method at this path. Mounted files are only read."""
+    fitting = (route for route in routes if route.matches(scope)[0] is Match.FULL)
+    return any(scope["method"] in ("GET", "HEAD") or not isinstance(route, Mount) for route in fitting)
 
 
 def _unexpected(request: Request, error: Exception) -> Response:

@@ -23,7 +23,8 @@ def fit_response(
     sent = {"ETag": etag, "Content-Location": f"/v1/fits/{fit.id}", **(headers or {})}
     if not fit.status.final:
         sent["Retry-After"] = "1"
-    if request.method == "GET" and etag in request.headers.get("if-none-match", ""):
+    known = request.headers.get("if-none-match", "")
+    if request.method == "GET" and (etag in known or known.strip() == "*"):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
     return Response(body, status, sent, "application/json")
 

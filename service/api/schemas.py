@@ -32,7 +32,7 @@ class FitOptions(BaseModel):
     layer_distance: float = Field(
         0.05, gt=0, le=0.3, description="Distance of the two outer layers of the 3L constraints, in mean radii."
     )
-    t1: float = Field(0.01, ge=0, description="Close enough when D_dist < t1, in mean radii.")
+    t1: float = Field(0.01, ge=0, allow_inf_nan=False, description="Close enough when D_dist < t1, in mean radii.")
     t2: float = Field(0.95, ge=-1, le=1, description="Smooth enough when D_smooth > t2, a mean cosine.")
     collinear_tol: float = Field(
         1e-10, ge=0, le=1, description="A column is dropped when at most this share of its length is new."
@@ -100,7 +100,7 @@ class Polynomial(BaseModel):
     basis: Literal["monomial", "chebyshev"] = Field(description="What the coefficients multiply.")
     exponents: list[list[int]] = Field(description="(m, d): the exponents of each coefficient, in graded order.")
     coefficients: list[float] = Field(description="(m,): without unit; f is about the distance in mean radii.")
-    frame: Frame
+    frame: Frame = Field(description="The frame in which the coefficients are given.")
     bounds: list[list[float]] = Field(
         description="(2, d): lower and upper corner, caller's coordinates: the box in which the fit was made and its "
         "zero set checked. Outside it nothing is promised."
@@ -166,9 +166,9 @@ class FitResource(BaseModel):
         None, description="Why no higher degree was tried."
     )
     steps: list[Step] | None = Field(None, description="Every degree that was tried.")
-    diagnostics: Diagnostics | None = None
+    diagnostics: Diagnostics | None = Field(None, description="How good the answer is.")
     warnings: list[str] | None = Field(None, description="What a careful user should know.")
-    engine: Engine | None = None
+    engine: Engine | None = Field(None, description="What made the answer.")
 
 
 class Health(BaseModel):

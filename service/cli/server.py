@@ -15,7 +15,7 @@ from fastapi import FastAPI
 from pydantic import ValidationError
 
 from service.bootstrap import embedded, stop
-from service.settings import Settings
+from service.settings import Settings, table
 
 # Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for
 # uploads and drawings.
@@ -26,9 +26,7 @@ class _Server(uvicorn.Server):
     """Uvicorn, with the application told that it is to stop before its open requests are waited for."""
 
     def __init__(self, app: FastAPI, settings: Settings) -> None:
-        super().__init__(
-            uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE)
-        )
+        super().__init__(uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE))
         self._app = app
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -41,13 +39,12 @@ def serve(
     port: Annotated[int | None, typer.Option(help="Port to listen on; else IPFIT_PORT.")] = None,
 ) -> None:
     """Serve fits over HTTP, with everything kept in one folder. Settings come from IPFIT_* variables."""
-    settings = _settings()
     given = {"host": host, "port": port}
-    settings = settings.model_copy(update={name: value for name, value in given.items() if value is not None})
+    chosen = _settings().model_copy(update={name: value for name, value in given.items() if value is not None})
     # Uvicorn takes signals while it runs and raises them again when it has stopped: to stop when told to is no failure.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with suppress(KeyboardInterrupt):
-        _Server(embedded(settings), settings).run()
+        _Server(embedded(chosen), chosen).run()
 
 
 def openapi() -> None:
@@ -56,12 +53,17 @@ def openapi() -> None:
     sys.stdout.buffer.write(orjson.dumps(document, option=orjson.OPT_INDENT_2) + b"\n")
 
 
+def settings() -> None:
+    """Print every setting as a Markdown table: environment variable, default, meaning."""
+    typer.echo(table())
+
+
 def healthcheck() -> None:
     """Exit with 0 if the server on this machine is ready, else with 1."""
-    settings = _settings()
-    host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(settings.host, settings.host)  # noqa: S104 - looked up, not bound
+    given = _settings()
+    host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(given.host, given.host)  # noqa: S104 - looked up, not bound
     try:
-        with urlopen(f"http://{host}:{settings.port}/readyz", timeout=5.0):
+        with urlopen(f"http://{host}:{given.port}/readyz", timeout=5.0):
             return
     except (URLError, OSError) as error:
         typer.echo(f"not ready: {error}", err=True)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from typing import Any, cast
+from zipfile import BadZipFile
 
 import numpy as np
 import trimesh
@@ -12,6 +13,8 @@ from service.jobs.fit import PointSet
 
 TEXT = (".csv", ".txt", ".xyz", ".asc")
 GEOMETRY = (".ply", ".obj", ".off", ".stl", ".glb")
+# What numpy and trimesh raise on files that are not what their ending says.
+UNREADABLE = (ValueError, KeyError, TypeError, IndexError, EOFError, BadZipFile)
 ENDINGS = (".npy", ".npz", ".json", *TEXT, *GEOMETRY)
 
 
@@ -35,7 +38,7 @@ def read_file(path: Path, max_points: int) -> PointSet:
         raise MalformedInputError(f"{path.name} does not end in one of {', '.join(ENDINGS)}")
     try:
         points, normals = _npz(path) if ending == ".npz" else _text(path) if ending in TEXT else _geometry(path)
-    except (ValueError, KeyError, TypeError, IndexError) as error:
+    except UNREADABLE as error:
         raise MalformedInputError(f"{path.name} cannot be read: {error}") from error
     return point_sets.checked(points, normals, {}, max_points)
 
@@ -48,6 +51,8 @@ def _npz(path: Path) -> tuple[point_sets.Array, point_sets.Array | None]:
 def _text(path: Path) -> tuple[point_sets.Array, point_sets.Array | None]:
     lines = path.read_text(encoding="utf-8").replace(",", " ").replace(";", " ").splitlines()
     rows = [line for line in lines if line.strip() and not (line.lstrip()[0] == "#" or line.lstrip()[0].isalpha())]
+    if not rows:
+        raise ValueError("there are no numbers in it")
     return point_sets.halves(np.loadtxt(rows, ndmin=2))
 
 

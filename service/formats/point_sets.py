@@ -1,9 +1,11 @@
 """Point sets in: JSON and npy, read without trusting a byte, checked, and turned into one npy of doubles."""
 
 import base64
-import binascii
+import re
+import tokenize
 from collections.abc import Callable
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,8 @@ from service.jobs.fit import PointSet
 
 Array = NDArray[Any]
 Parts = tuple[Array, Array | None, dict[str, Any]]
+# numpy's names of real numbers of at most 8 bytes. Anything else numpy might understand is not for strangers.
+NUMBER = re.compile(r"[<>|=]?(i[1248]|u[1248]|f[248])")
 
 MEDIA_TYPES = {"application/json": "json", "application/x-npy": "npy"}
 
@@ -104,12 +108,14 @@ def _read_json(content: bytes, max_points: int) -> Parts:
         raise MalformedInputError(f"not JSON: {error}") from error
     if not isinstance(document, dict):
         raise InvalidInputError("the body must be a JSON object with points, and optionally normals and options")
-    unknown = sorted(document.keys() - {"points", "normals", "options"})
-    if unknown:
-        raise InvalidInputError(f"unknown member {unknown[0]!r}; known are points, normals and options", (unknown[0],))
+    unknown = min(document.keys() - {"points", "normals", "options"}, default=None)
+    if unknown is not None:
+        raise InvalidInputError(
+            f"unknown member {_short(unknown)!r}; known are points, normals and options", (_short(unknown),)
+        )
     if "points" not in document:
         raise InvalidInputError("points are missing", ("points",))
-    options = document.get("options") or {}
+    options = document.get("options", {})
     if not isinstance(options, dict):
         raise InvalidInputError("options must be an object", ("options",))
     normals = document.get("normals")
@@ -124,33 +130,49 @@ def _array(value: object, name: str, max_points: int) -> Array:
     if not isinstance(value, list):
         raise InvalidInputError(f"{name} must be a list of rows, or an object with dtype, shape and data", (name,))
     _limit(len(value), max_points, name)
-    width = len(value[0]) if value and isinstance(value[0], list) else None
+    if not value:
+        raise InvalidInputError(f"{name} are empty", (name,))
+    width = len(value[0]) if isinstance(value[0], list) else None
     for i, row in enumerate(value):
         if not isinstance(row, list) or len(row) != width:
             raise InvalidInputError(f"{name} row {i} must be a list of as many numbers as row 0", (name, i))
-    array = np.array(value)
-    if array.dtype.kind not in "iuf" or array.ndim != 2:
+    # Looked at before numpy is: of one long string it would make an array in which every item is as long.
+    if not set(map(type, chain.from_iterable(value))) <= {int, float}:
         raise InvalidInputError(*_not_a_number(value, name))
-    return array.astype(np.float64)
+    return np.array(value, dtype=np.float64)
 
 
 def _not_a_number(rows: list[list[Any]], name: str) -> tuple[str, tuple[str | int, ...]]:
-    """Return what is wrong with rows that did not make an array of numbers, and where."""
-    for i, row in enumerate(rows):
-        for j, value in enumerate(row):
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                return f"{name} row {i}, column {j} is not a number: {orjson.dumps(value).decode()[:40]}", (name, i, j)
-    return f"{name} must be one list of numbers per point", (name,)
+    """Return which value in these rows is not a number."""
+    i, j, value = next(
+        (i, j, value) for i, row in enumerate(rows) for j, value in enumerate(row) if type(value) not in (int, float)
+    )
+    return f"{name} row {i}, column {j} is not a number: {_short(orjson.dumps(value).decode())}", (name, i, j)
+
+
+def _short(text: str) -> str:
+    """Return the beginning of what a stranger sent, to be told back."""
+    return text if len(text) <= 40 else f"{text[:40]}…"
 
 
 def _packed(value: dict[str, Any], name: str, max_points: int) -> Array:
     """Return the array of {"dtype": "<f8", "shape": [n, d], "data": base64}."""
+    if value.keys() != {"dtype", "shape", "data"}:
+        raise InvalidInputError(f"{name} must have dtype, shape and data, and nothing else", (name,))
+    shape = value["shape"]
+    if not isinstance(shape, list) or any(type(n) is not int for n in shape):
+        raise InvalidInputError(f"{name} must have a shape of two integers", (name, "shape"))
+    if not isinstance(value["dtype"], str) or not isinstance(value["data"], str):
+        raise InvalidInputError(f"dtype and data of {name} must be strings", (name,))
     try:
-        kind, shape = _number_type(value["dtype"]), tuple(int(n) for n in value["shape"])
+        kind = _number_type(value["dtype"])
+    except ValueError as error:
+        raise InvalidInputError(f"{name}: {error}", (name, "dtype")) from error
+    try:
         data = base64.b64decode(value["data"], validate=True)
-    except (KeyError, TypeError, ValueError, binascii.Error) as error:
-        raise InvalidInputError(f"{name} must have dtype, shape and base64 data: {error}", (name,)) from error
-    return _shaped(data, kind, shape, name, max_points)
+    except ValueError as error:
+        raise InvalidInputError(f"data of {name} must be base64: {error}", (name, "data")) from error
+    return _shaped(data, kind, tuple(shape), name, max_points)
 
 
 def _read_npy(content: bytes, max_points: int) -> Parts:
@@ -158,26 +180,41 @@ def _read_npy(content: bytes, max_points: int) -> Parts:
     file = BytesIO(content)
     try:
         version = np.lib.format.read_magic(file)
-        header: Callable[[BytesIO], tuple[tuple[int, ...], bool, np.dtype[Any]]] = {
-            (1, 0): np.lib.format.read_array_header_1_0,
-            (2, 0): np.lib.format.read_array_header_2_0,
-        }[version]
-        shape, fortran_order, dtype = header(file)
-        kind = _number_type(dtype)
-    except (ValueError, KeyError, TypeError, EOFError) as error:
-        raise MalformedInputError(f"not an npy file of numbers: {error}") from error
+        if version not in HEADERS:
+            raise ValueError(f"version {version[0]}.{version[1]} is not read here")
+        shape, fortran_order, dtype = HEADERS[version](file)
+        kind = _number_type(dtype.str)
+    except NOT_NPY as error:
+        raise MalformedInputError(f"not an npy file of numbers: {_short(str(error))}") from error
     table = _shaped(content[file.tell() :], kind, shape, "points", max_points)
     if fortran_order:
         table = table.reshape(shape[::-1]).T
     return *halves(table), {}
 
 
-def _number_type(name: str | np.dtype[Any]) -> np.dtype[Any]:
+Header = Callable[[BytesIO], tuple[tuple[int, ...], bool, np.dtype[Any]]]
+HEADERS: dict[tuple[int, int], Header] = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
+# What numpy raises when a header, which is a Python literal, is none, or is one that would not end.
+NOT_NPY = (
+    ValueError,
+    TypeError,
+    EOFError,
+    SyntaxError,
+    tokenize.TokenError,
+    RecursionError,
+    MemoryError,
+    OverflowError,
+)
+
+
+def _number_type(name: str) -> np.dtype[Any]:
     """Return a dtype of real numbers, refusing every other: no objects, so no pickles."""
-    dtype: np.dtype[Any] = np.dtype(name)
-    if dtype.kind not in "iuf" or dtype.itemsize > 8:
-        raise ValueError(f"dtype must be an integer or a float of at most 8 bytes, not {dtype.str}")
-    return dtype
+    if NUMBER.fullmatch(name) is None:
+        raise ValueError(f"dtype must be an integer or a float of at most 8 bytes, not {_short(name)}")
+    return np.dtype(name)
 
 
 def _shaped(data: bytes, dtype: np.dtype[Any], shape: tuple[int, ...], name: str, max_points: int) -> Array:

@@ -7,7 +7,13 @@ from typing import Any, Protocol
 from uuid import uuid4
 
 from service.jobs.drawing import Drawing
-from service.jobs.errors import FitNotFinishedError, FitNotFoundError, FitWithoutResultError
+from service.jobs.errors import (
+    FitNotFinishedError,
+    FitNotFoundError,
+    FitWithoutResultError,
+    NotReadyError,
+    ShuttingDownError,
+)
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 
@@ -49,9 +55,20 @@ class FitDesk:
         return await self._reader.read(body, kind)
 
     async def accept(self, points: PointSet, options: dict[str, Any]) -> Fit:
-        """Store a fit and see that it is run. When this returns, it survives a crash."""
-        async with self._tidy:
-            fit = await asyncio.to_thread(self._add, points, options)
+        """Store a fit and see that it is run. When this returns, it survives a crash.
+
+        Raises
+        ------
+        NotReadyError, ShuttingDownError
+            If it cannot be stored, or the server is about to stop.
+
+        """
+        self._refuse_when_stopping()
+        try:
+            async with self._tidy:
+                fit = await asyncio.to_thread(self._add, points, options)
+        except Exception as error:
+            raise NotReadyError(f"the fit cannot be stored: {type(error).__name__}") from error
         self._queue.submit(fit.id)
         return fit
 
@@ -88,12 +105,27 @@ class FitDesk:
             raise FitNotFinishedError(f"fit {fit_id} is {fit.status}; its zero set can be drawn when it is successful")
         if fit.result is None:
             raise FitWithoutResultError(f"fit {fit_id} is {fit.status} and has no zero set")
-        points = await asyncio.to_thread(self._blobs.get, fit.input.key)
+        try:
+            points = await asyncio.to_thread(self._blobs.get, fit.input.key)
+        except FileNotFoundError:
+            await self._get(fit_id)  # which says so, if the fit was removed in this very moment
+            raise
         return await self._draughtsman.draw(fit.result, points, fit.input.dimension, drawing)
 
     async def check(self) -> None:
-        """Return if fits can be stored; raise what the store raises if not."""
-        await asyncio.to_thread(self._store.waiting)
+        """Return if fits can be stored and run.
+
+        Raises
+        ------
+        NotReadyError, ShuttingDownError
+            If the store fails, or the server is about to stop.
+
+        """
+        self._refuse_when_stopping()
+        try:
+            await asyncio.to_thread(self._store.waiting)
+        except Exception as error:
+            raise NotReadyError(f"fits cannot be stored: {type(error).__name__}") from error
 
     async def dismiss(self, fit_id: str) -> Fit | None:
         """Dismiss a live fit, killing its worker, and return it; or remove one that has ended, and return None."""
@@ -104,6 +136,14 @@ class FitDesk:
         async with self._tidy:
             await asyncio.to_thread(self._remove, fit)
         return None
+
+    def stop(self) -> None:
+        """Accept nothing more, and answer those who wait with what is known now."""
+        self._queue.stop()
+
+    def _refuse_when_stopping(self) -> None:
+        if self._queue.stopping:
+            raise ShuttingDownError("the server is stopping; try again when it is back")
 
     def _add(self, points: PointSet, options: dict[str, Any]) -> Fit:
         fit = Fit(
@@ -124,5 +164,5 @@ class FitDesk:
     async def _get(self, fit_id: str) -> Fit:
         fit = await asyncio.to_thread(self._store.get, fit_id)
         if fit is None:
-            raise FitNotFoundError(f"there is no fit {fit_id}")
+            raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit

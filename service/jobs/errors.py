@@ -53,5 +53,9 @@ class TooLargeError(InvalidInputError):
     """The input is over a limit of this server."""
 
 
+class NotReadyError(JobError):
+    """Fits cannot be stored at the moment."""
+
+
 class ShuttingDownError(JobError):
     """The server is stopping and takes nothing new."""

@@ -80,6 +80,13 @@ class Workers(Protocol):
 class FitQueue(Protocol):
     """Runs accepted fits."""
 
+    @property
+    def stopping(self) -> bool:
+        """Return whether the server is about to stop, and nothing new is to be accepted."""
+
+    def stop(self) -> None:
+        """Let everybody who waits for a fit go: the server is about to stop."""
+
     def submit(self, fit_id: str) -> None:
         """See that the fit is run."""
 
@@ -87,7 +94,7 @@ class FitQueue(Protocol):
         """Kill the worker that runs the fit, or take it out of the line."""
 
     async def wait(self, fit_id: str, seconds: float) -> None:
-        """Return when the fit has ended or the time is up."""
+        """Return when the fit has ended, the time is up, or the server is about to stop."""
 
     def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees tried so far by a running fit."""

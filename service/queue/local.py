@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from service.jobs.errors import DeadlineExceededError, WorkerCrashedError
 from service.jobs.fit import Failure, Fit, FitStatus
@@ -13,6 +13,10 @@ logger = logging.getLogger(__name__)
 
 # A fit whose worker died is started once more; what kills two workers would kill a third.
 MAX_ATTEMPTS = 2
+# Seconds between tries when the store fails: an hour in all.
+PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
+
+T = TypeVar("T")
 
 
 class LocalQueue:
@@ -34,6 +38,12 @@ class LocalQueue:
         self._deadline = deadline
         self._running: dict[str, asyncio.Task[None]] = {}
         self._steps: dict[str, list[dict[str, Any]]] = {}
+        self._stopping = asyncio.Event()
+
+    @property
+    def stopping(self) -> bool:
+        """Return whether the server is about to stop, and nothing new is to be accepted."""
+        return self._stopping.is_set()
 
     def submit(self, fit_id: str) -> None:
         """See that an accepted fit is run."""
@@ -48,10 +58,15 @@ class LocalQueue:
             task.cancel()
 
     async def wait(self, fit_id: str, seconds: float) -> None:
-        """Return when the fit has ended or the time is up."""
+        """Return when the fit has ended, the time is up, or the server is about to stop."""
         task = self._running.get(fit_id)
-        if task is not None:
-            await asyncio.wait([task], timeout=seconds)
+        if task is None:
+            return
+        stopping = asyncio.create_task(self._stopping.wait())
+        try:
+            await asyncio.wait((task, stopping), timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            stopping.cancel()
 
     def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees tried so far by a running fit."""
@@ -66,6 +81,10 @@ class LocalQueue:
         for fit_id in waiting:
             self.submit(fit_id)
 
+    def stop(self) -> None:
+        """Let everybody who waits for a fit go: the server is about to stop."""
+        self._stopping.set()
+
     async def close(self) -> None:
         """Kill what runs; it stays accepted in the store, for the next start."""
         tasks = list(self._running.values())
@@ -76,7 +95,7 @@ class LocalQueue:
     async def _serve(self, fit_id: str) -> None:
         """Run one fit to its end, again if its worker dies."""
         async with self._slots:
-            while (attempt := await asyncio.to_thread(self._store.start, fit_id)) is not None:
+            while (attempt := await self._insist(self._store.start, fit_id)) is not None:
                 try:
                     await self._attempt(fit_id, attempt)
                 except asyncio.CancelledError:
@@ -87,7 +106,7 @@ class LocalQueue:
 
     async def _attempt(self, fit_id: str, attempt: int) -> None:
         """Run one attempt and store how it ended."""
-        fit = await asyncio.to_thread(self._store.get, fit_id)
+        fit = await self._insist(self._store.get, fit_id)
         if fit is None:
             return
         try:
@@ -95,7 +114,7 @@ class LocalQueue:
         except WorkerCrashedError as error:
             logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
             if attempt < MAX_ATTEMPTS:
-                await asyncio.to_thread(self._store.release, fit_id, attempt)
+                await self._insist(self._store.release, fit_id, attempt)
                 return
             failure = Failure("worker-crashed", f"The worker process died in each of {attempt} attempts.")
         except DeadlineExceededError:
@@ -104,9 +123,19 @@ class LocalQueue:
             logger.exception("fit %s failed", fit_id)
             failure = Failure("fit-error", f"{type(error).__name__}: {error}")
         else:
-            await asyncio.to_thread(self._store.finish, fit_id, attempt, FitStatus.SUCCESSFUL, result, None)
+            await self._insist(self._store.finish, fit_id, attempt, FitStatus.SUCCESSFUL, result, None)
             return
-        await asyncio.to_thread(self._store.finish, fit_id, attempt, FitStatus.FAILED, None, failure)
+        await self._insist(self._store.finish, fit_id, attempt, FitStatus.FAILED, None, failure)
+
+    async def _insist(self, call: Callable[..., T], *arguments: object) -> T:
+        """Call the store, again and again while it fails: a full disk must not lose a fit or what was worked out."""
+        for pause in PAUSES:
+            try:
+                return await asyncio.to_thread(call, *arguments)
+            except Exception:
+                logger.exception("the store failed; the next try is in %g s", pause)
+                await asyncio.sleep(pause)
+        return await asyncio.to_thread(call, *arguments)
 
     async def _run(self, fit: Fit) -> bytes:
         steps = self._steps.setdefault(fit.id, [])

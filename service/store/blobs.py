@@ -3,6 +3,7 @@
 import hashlib
 import os
 from dataclasses import dataclass
+from pathlib import Path
 from uuid import uuid4
 
 import fsspec
@@ -35,6 +36,9 @@ class Blobs:
             if "file" in fs.protocol:
                 os.fsync(file.fileno())
         fs.mv(aside, path)
+        if "file" in fs.protocol:  # the names are on disk, too, when the folders that hold them are
+            for folder in (Path(path).parent, Path(path).parent.parent):
+                _flush(folder)
         return key
 
     def get(self, key: str) -> bytes:
@@ -51,3 +55,12 @@ class Blobs:
     def _at(self, key: str) -> tuple[fsspec.AbstractFileSystem, str]:
         fs, root = fsspec.url_to_fs(self.url)
         return fs, f"{root}/{key[:2]}/{key}"
+
+
+def _flush(folder: Path) -> None:
+    """Write a folder's list of names to disk."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,44 +1,56 @@
 """A pool of processes that can be killed one by one."""
 
 import asyncio
+import logging
 import multiprocessing
 import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from typing import Any, TypeVar
 from uuid import uuid4
 
-from pebble import ProcessExpired, ProcessPool
+from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from service.jobs.errors import DeadlineExceededError, WorkerCrashedError
-from service.workers import progress
+from service.workers import process, progress
+
+logger = logging.getLogger(__name__)
 
 # One BLAS thread per worker: the pool already fills the cores, and small products run slower on several threads.
 # Read by the libraries when they are first loaded, so it must stand in the environment before numpy is.
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # Loaded once in the fork server, so that a new worker is ready in milliseconds.
-PRELOAD = ["service.workers.tasks"]
+PRELOAD = ["service.workers.tasks", "service.formats.drawing", "service.formats.intake"]
+# How often a task that runs is checked to have a pool that is alive.
+LOOK = 1.0
 
 T = TypeVar("T")
 
 
 class WorkerPool:
-    """Runs module-level functions in worker processes: deadline, cancel and crash end one worker and one task only."""
+    """Runs module-level functions in worker processes: deadline, cancel and crash end one worker and one task only.
+
+    Every worker has a pebble pool to itself, its *seat*. Workers of one pebble pool share pipes and locks, and one that
+    is killed while it holds them takes the others along; pebble also gives a pool up when an idle worker dies. Here a
+    seat is all that is lost, and it is replaced.
+    """
 
     def __init__(self, size: int, tasks_per_worker: int) -> None:
         """Prepare `size` workers, each replaced after `tasks_per_worker` tasks. They start with the first task."""
         os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(PRELOAD)
-        self.size = size
+        self._tasks_per_worker = tasks_per_worker
         self._inbox = progress.Inbox()
-        self._pool = ProcessPool(
-            max_workers=size,
-            max_tasks=tasks_per_worker,
-            initializer=progress.connect,
-            initargs=[self._inbox.address],
-            context=context,
-        )
+        self._seats = [self._new_seat() for _ in range(size)]
+        # First in, first out: a seat whose worker was just killed has the longest time to get another.
+        self._free: asyncio.Queue[ProcessPool] = asyncio.Queue()
+        for seat in self._seats:
+            self._free.put_nowait(seat)
+
+    async def warm_up(self) -> None:
+        """Return when every worker has started and has loaded what it needs."""
+        await asyncio.gather(*(self.run(process.idle) for _ in self._seats))
 
     async def run(
         self,
@@ -66,31 +78,81 @@ class WorkerPool:
             If the time was up, or the process died.
 
         """
-        task, loop = uuid4().hex, asyncio.get_running_loop()
-        if progress is not None:
-            self._inbox.listen(task, _in_loop(loop, progress))
-        future = self._pool.schedule(_run, args=(task, function, arguments), timeout=deadline)
+        task = uuid4().hex
+        seat = await self._free.get()
         try:
-            answer: T = await asyncio.wrap_future(future)
+            if progress is not None:
+                self._inbox.listen(task, _in_loop(asyncio.get_running_loop(), progress))
+            seat = await self._usable(seat)
+            answer: T = await _outcome(seat, _scheduled(seat, deadline, task, function, arguments))
         except TimeoutError as error:
             raise DeadlineExceededError(f"the work took longer than {deadline:g} s and was stopped") from error
-        except ProcessExpired as error:
-            raise WorkerCrashedError(f"the worker process ended with code {error.exitcode}") from error
+        except (ProcessExpired, BrokenProcessPool) as error:
+            seat = self._replace(seat)
+            code = f" with code {error.exitcode}" if isinstance(error, ProcessExpired) else ""
+            raise WorkerCrashedError(f"the worker process ended{code}") from error
         else:
             return answer
         finally:
             self._inbox.forget(task)
+            self._free.put_nowait(seat)
 
     def close(self) -> None:
         """Kill every worker and wait until they are gone."""
-        self._pool.stop()  # type: ignore[no-untyped-call] # pebble annotates all but this
-        self._pool.join()
+        for seat in self._seats:
+            seat.stop()  # type: ignore[no-untyped-call] # pebble annotates all but this
+        with ThreadPoolExecutor(len(self._seats)) as threads:  # a worker deep in a computation takes seconds to die
+            list(threads.map(ProcessPool.join, self._seats))
         self._inbox.close()
 
+    def _new_seat(self) -> ProcessPool:
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(PRELOAD)
+        return ProcessPool(
+            max_workers=1,
+            max_tasks=self._tasks_per_worker,
+            initializer=process.enter,
+            initargs=[self._inbox.address],
+            context=context,
+        )
 
-def _run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) -> T:
-    progress.begin(task)
-    return function(*arguments)
+    async def _usable(self, seat: ProcessPool) -> ProcessPool:
+        """Return this seat, or a new one if it broke while nobody looked: its idle worker was killed.
+
+        To ask starts the worker of a seat that has none yet: long enough to be done off the event loop.
+        """
+        active = await asyncio.to_thread(lambda: seat.active)
+        return seat if active else self._replace(seat)
+
+    def _replace(self, seat: ProcessPool) -> ProcessPool:
+        """Put a new seat in the place of a broken one, which is cleared away in the background."""
+        logger.warning("a worker process died and is replaced")
+        seat.stop()  # type: ignore[no-untyped-call] # as above
+        asyncio.get_running_loop().run_in_executor(None, seat.join)
+        new = self._new_seat()
+        self._seats[self._seats.index(seat)] = new
+        return new
+
+
+def _scheduled(
+    seat: ProcessPool, deadline: float | None, task: str, function: Callable[..., T], arguments: tuple[object, ...]
+) -> ProcessFuture[T]:
+    try:
+        return seat.schedule(process.run, args=(task, function, arguments), timeout=deadline)
+    except RuntimeError as error:  # it broke after it was looked at
+        raise BrokenProcessPool(str(error)) from error
+
+
+async def _outcome(seat: ProcessPool, future: ProcessFuture[T]) -> T:
+    """Return what the task returns, watching that its pool is there to finish it; cancelled, cancel the task."""
+    answer = asyncio.wrap_future(future)
+    try:
+        while not (await asyncio.wait((answer,), timeout=LOOK))[0]:
+            if not seat.active and not answer.done():
+                raise BrokenProcessPool("the pool ended before its task")
+        return answer.result()
+    finally:
+        answer.cancel()
 
 
 def _in_loop(loop: asyncio.AbstractEventLoop, listener: Callable[[Any], None]) -> Callable[[Any], None]:

@@ -16,6 +16,9 @@ import orjson
 
 _LARGEST = 65536
 _STOP = b""
+# Seconds that a report waits for room. The system keeps some ten of them, which the first degrees of a fit, a
+# millisecond each, fill when the receiver is busy.
+PATIENCE = 0.2
 
 
 class _Sender:
@@ -28,7 +31,7 @@ class _Sender:
 def connect(address: str) -> None:
     """Send this process's reports to `address` from now on."""
     _Sender.channel = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-    _Sender.channel.settimeout(0.0)
+    _Sender.channel.settimeout(PATIENCE)
     _Sender.channel.connect(address)
 
 
@@ -38,7 +41,7 @@ def begin(task: str) -> None:
 
 
 def report(payload: object) -> None:
-    """Send a small JSON-able value to whoever started the task. Lost, not waited for, if nobody reads."""
+    """Send a small JSON-able value to whoever started the task. Lost if nobody reads it."""
     if _Sender.channel is None:
         return
     try:

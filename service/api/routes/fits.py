@@ -1,6 +1,7 @@
 """Fits: POST one, look at it, take its zero set, dismiss it."""
 
 from http import HTTPStatus
+from math import isfinite
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path, Query, Request, Response
@@ -8,10 +9,11 @@ from pydantic import Field, ValidationError
 
 from service.api import body, negotiation
 from service.api.context import Context, Here
+from service.api.document import problem, reference
 from service.api.preferences import DEFAULT_WAIT, Preferences
-from service.api.problems import Problem, pointer
+from service.api.problems import pointer
 from service.api.representation import fit_response
-from service.api.schemas import FitOptions, FitRequest, FitResource
+from service.api.schemas import FitOptions, FitResource
 from service.jobs.drawing import FILES, Drawing, FileKind
 from service.jobs.errors import InvalidInputError
 
@@ -21,7 +23,20 @@ FitId = Annotated[str, Path(description="The id that POST /v1/fits gave.")]
 _FILES: dict[str, Any] = {
     name: {"schema": {"type": "string", "format": "binary"}} for k in FILES for name in k.media_types
 }
-_PROBLEM = {"model": Problem, "content": {"application/problem+json": {}}}
+_PROBLEMS: dict[int | str, dict[str, Any]] = {
+    400: problem("The body is not what its media type says."),
+    404: problem("There is no such fit."),
+    406: problem("The zero set cannot be had in that format."),
+    409: problem("The fit has not ended, or ended without a result."),
+    413: problem("The body, the points or the system are over a limit of this server."),
+    415: problem("The body is of a media type or an encoding that is not read here."),
+    422: problem("The point set cannot be fitted, or an option or a parameter has a value that is not allowed."),
+    503: problem("The server is stopping, or the work took too long."),
+}
+
+
+def _problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    return {status: _PROBLEMS[status] for status in statuses}
 
 
 class FitQuery(FitOptions):
@@ -30,15 +45,29 @@ class FitQuery(FitOptions):
     format: Literal["json", "npy"] | None = Field(None, description="What the body is; wins over Content-Type.")
 
 
+_PREFER = {
+    "name": "Prefer",
+    "in": "header",
+    "description": "`wait=N`: answer after at most N seconds. `respond-async`: answer at once (RFC 7240).",
+    "schema": {"type": "string"},
+    "examples": {"wait": {"value": "wait=10"}, "at once": {"value": "respond-async"}},
+}
+_IF_NONE_MATCH = {
+    "name": "If-None-Match",
+    "in": "header",
+    "description": "The ETag of an earlier answer: 304 if nothing has changed.",
+    "schema": {"type": "string"},
+}
 _BODY = {
+    "parameters": [_PREFER],
     "requestBody": {
         "required": True,
         "description": "JSON, or an npy file of N rows: 2 or 3 columns are points, 4 or 6 points and outward normals.",
         "content": {
-            "application/json": {"schema": FitRequest.model_json_schema(ref_template="#/components/schemas/{model}")},
+            "application/json": {"schema": reference("FitRequest")},
             "application/x-npy": {"schema": {"type": "string", "format": "binary"}},
         },
-    }
+    },
 }
 
 
@@ -49,7 +78,7 @@ _BODY = {
     responses={
         200: {"model": FitResource, "description": "The fit has ended.", "content": _FILES},
         202: {"model": FitResource, "description": "Accepted; see Location."},
-        **dict.fromkeys((400, 406, 413, 415, 422, 503), _PROBLEM),
+        **_problems(400, 406, 409, 413, 415, 422, 503),
     },
 )
 async def create(request: Request, here: Here, query: Annotated[FitQuery, Query()]) -> Response:
@@ -64,7 +93,7 @@ async def create(request: Request, here: Here, query: Annotated[FitQuery, Query(
         points = await here.desk.read(content, kind)
     asked = query.model_dump(exclude_unset=True, exclude={"format"})
     options = _checked(points.options).model_dump(exclude_unset=True) | asked
-    here.limits.check_fit(points, options)
+    options = here.limits.checked(points, options)
     wanted = negotiation.file_kind(request, points.dimension) if negotiation.wants_file(request) else None
     fit = await here.desk.accept(points, options)
     preferences = Preferences.of(request)
@@ -81,7 +110,8 @@ async def create(request: Request, here: Here, query: Annotated[FitQuery, Query(
 @router.get(
     "/{fit_id}",
     summary="Look at a fit",
-    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, 404: _PROBLEM},
+    openapi_extra={"parameters": [_PREFER, _IF_NONE_MATCH]},
+    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **_problems(404)},
 )
 async def read(request: Request, here: Here, fit_id: FitId) -> Response:
     """Return a fit; with `Prefer: wait=N`, after at most N seconds if it is still live."""
@@ -97,7 +127,7 @@ async def read(request: Request, here: Here, fit_id: FitId) -> Response:
     response_class=Response,
     responses={
         200: {"description": "The zero set, as a file.", "content": _FILES},
-        **dict.fromkeys((404, 406, 409, 413, 422), _PROBLEM),
+        **_problems(404, 406, 409, 422, 503),
     },
 )
 async def mesh(  # noqa: PLR0913, PLR0917 - one parameter each in the OpenAPI document
@@ -140,7 +170,7 @@ async def mesh(  # noqa: PLR0913, PLR0917 - one parameter each in the OpenAPI do
     responses={
         200: {"model": FitResource, "description": "It was live and is dismissed now."},
         204: {"description": "It had ended and is removed now."},
-        404: _PROBLEM,
+        **_problems(404),
     },
 )
 async def dismiss(request: Request, here: Here, fit_id: FitId) -> Response:
@@ -153,7 +183,7 @@ async def _file(
     here: Context, fit_id: str, kind: FileKind, drawing: Drawing, headers: dict[str, str] | None = None
 ) -> Response:
     content = await here.desk.draw(fit_id, drawing)
-    named = {"Content-Disposition": f'inline; filename="{fit_id}.{kind.name}"', **(headers or {})}
+    named = {"Content-Disposition": f'inline; filename="{fit_id}.{kind.name}"', "Vary": "Accept", **(headers or {})}
     return Response(content, headers=named, media_type=kind.media_types[0])
 
 
@@ -167,7 +197,7 @@ def _checked(options: dict[str, Any]) -> FitOptions:
 
     """
     try:
-        return FitOptions.model_validate(options)
+        return FitOptions.model_validate(options, strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         at = ("options", *first["loc"])
@@ -182,7 +212,7 @@ def _corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[floa
         numbers = ()
     lower, upper = numbers[:dimension], numbers[dimension:]
     ordered = len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))
-    if not ordered or any(abs(x) == float("inf") for x in numbers):
+    if not ordered or not all(map(isfinite, numbers)):
         raise InvalidInputError(
             f"bounds must be {2 * dimension} finite numbers with commas between, every lower one below its upper one",
             ("bounds",),

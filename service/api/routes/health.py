@@ -3,6 +3,7 @@
 from fastapi import APIRouter
 
 from service.api.context import Here
+from service.api.document import problem
 from service.api.schemas import Health
 
 router = APIRouter(tags=["health"])
@@ -14,7 +15,7 @@ async def livez() -> Health:
     return Health(status="ok")
 
 
-@router.get("/readyz", summary="Ready for work?")
+@router.get("/readyz", summary="Ready for work?", responses={503: problem("Not ready.")})
 async def readyz(here: Here) -> Health:
     """Answer when fits can be stored and run; 503 while not."""
     await here.desk.check()

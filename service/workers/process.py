@@ -1,0 +1,40 @@
+"""What a worker process does apart from its tasks: it connects, watches its server, and runs what it is given."""
+
+import os
+import time
+from collections.abc import Callable
+from threading import Thread
+from typing import TypeVar
+
+from service.workers import progress
+
+T = TypeVar("T")
+
+# A worker that nobody waits for any more should not hold its core for long; looking once a second costs nothing.
+LOOK = 1.0
+
+
+def enter(address: str) -> None:
+    """Begin the life of a worker: send reports to `address`, and end when the server is gone."""
+    progress.connect(address)
+    Thread(target=_leave_with, args=(os.getppid(),), name="leave-with-server", daemon=True).start()
+
+
+def run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) -> T:
+    """Run a function as this task."""
+    progress.begin(task)
+    return function(*arguments)
+
+
+def idle() -> None:
+    """Do nothing: what is scheduled to find out that a worker has started."""
+
+
+def _leave_with(parent: int) -> None:
+    """End this process when the fork server has ended, which ends with the server, however that dies.
+
+    A worker reads its tasks from a pipe and would notice only after the fit in hand, which may take minutes.
+    """
+    while os.getppid() == parent:
+        time.sleep(LOOK)
+    os._exit(1)

@@ -1,0 +1,262 @@
+"""The life of a fit over HTTP: sent in every way, waited for, looked at, drawn, removed."""
+
+import base64
+import json
+import re
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Literal
+
+import httpx
+import numpy as np
+import pytest
+import trimesh
+
+from ipcore import shapes
+from tests.service.bodies import HALF_A_MINUTE, LONG, Array, ellipse, npy, sphere, torus
+from tests.service.running import Server
+
+SINGLE, DOUBLE = float(np.finfo(np.float32).eps), float(np.finfo(float).eps)
+
+
+def post(client: httpx.Client, body: object, query: str = "", **headers: str) -> httpx.Response:
+    if isinstance(body, bytes):
+        return client.post(f"/v1/fits?{query}", content=body, headers={"Content-Type": "application/x-npy"} | headers)
+    return client.post(f"/v1/fits?{query}", json=body, headers=headers)
+
+
+def fitted(client: httpx.Client, body: object, query: str = "") -> dict[str, Any]:
+    answer = post(client, body, query)
+    assert answer.status_code == 200, answer.text
+    fit: dict[str, Any] = answer.json()
+    assert fit["status"] == "successful", fit
+    return fit
+
+
+def values(fit: dict[str, Any], x: Array) -> Array:
+    """f(x) = Σ coefficientᵢ · ((x − centre)/scale)^exponentᵢ, by the contract's sentence and numpy alone."""
+    p = fit["polynomial"]
+    u = (x - p["frame"]["centre"]) / p["frame"]["scale"]
+    total: Array = (np.array(p["coefficients"]) * (u[:, None, :] ** np.array(p["exponents"])).prod(axis=2)).sum(axis=1)
+    return total
+
+
+def packed(table: Array) -> dict[str, Any]:
+    return {
+        "dtype": table.dtype.str,
+        "shape": list(table.shape),
+        "data": base64.b64encode(table.tobytes()).decode(),
+    }
+
+
+@pytest.fixture(scope="module")
+def surface(client: httpx.Client) -> dict[str, Any]:
+    return fitted(client, npy(sphere()))
+
+
+@pytest.fixture(scope="module")
+def curve(client: httpx.Client) -> dict[str, Any]:
+    return fitted(client, npy(ellipse()))
+
+
+@pytest.mark.parametrize(("move", "scale"), [(0.0, 1.0), (1000.0, 1.0), (0.0, 37.0), (1000.0, 37.0)])
+@pytest.mark.parametrize(("table", "degree"), [(ellipse(), 2), (sphere(), 2), (torus(), 4)])
+def test_the_one_sentence_vanishes_on_the_input(
+    client: httpx.Client, table: Array, degree: int, move: float, scale: float
+) -> None:
+    d = 2 if table.shape[1] == 2 else 3
+    points = scale * table[:, :d] + move
+    fit = fitted(client, npy(np.hstack([points, table[:, d:]])))
+    assert fit["polynomial"]["degree"] == degree
+    rounding = DOUBLE * (1.0 + abs(move) / scale) * len(fit["polynomial"]["coefficients"])
+    at_points = np.abs(values(fit, points))
+    assert at_points.max() <= max(fit["diagnostics"]["distance_max"] * 2.0, 100.0 * rounding)
+    assert at_points.mean() < 0.01
+    centre = points.mean(axis=0)
+    inside = centre if degree == 2 else centre + np.array([scale, 0.0, 0.0])  # of a torus: its core circle
+    assert values(fit, inside[None])[0] < -0.1
+    assert (values(fit, np.array(fit["polynomial"]["bounds"])) > 0.1).all()
+
+
+@pytest.mark.parametrize("columns", [2, 3, 4, 6])
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("kind", ["<f8", "<f4", ">f8", ">i4", "<i8", "|i1"])
+def test_npy_of_every_number_order_and_width(
+    client: httpx.Client, columns: int, order: Literal["C", "F"], kind: str
+) -> None:
+    source = shapes.circle() if columns in (2, 4) else shapes.sphere()
+    points, normals = source.sample(150)
+    table = np.round(100.0 * np.hstack([points, normals])[:, :columns])
+    fit = fitted(client, npy(table.astype(kind), order=order))
+    d = 2 if columns in (2, 4) else 3
+    assert (fit["dimension"], fit["points"], fit["polynomial"]["degree"]) == (d, 150, 2)
+    given = columns in (4, 6)
+    assert (fit["diagnostics"]["normal_source"] == "given") is given
+    assert fit["polynomial"]["frame"]["scale"] == pytest.approx(100.0, rel=0.02)
+
+
+def test_json_and_npy_give_the_same_fit(client: httpx.Client) -> None:
+    table = sphere()
+    points, normals = table[:, :3], table[:, 3:]
+    nested = fitted(client, {"points": points.tolist(), "normals": normals.tolist()})
+    binary = fitted(client, {"points": packed(points), "normals": packed(normals)})
+    raw = fitted(client, npy(table))
+    assert nested["polynomial"] == binary["polynomial"] == raw["polynomial"]
+    assert nested["engine"]["input_sha256"] == raw["engine"]["input_sha256"]
+
+
+@pytest.mark.parametrize("kind", ["<f4", ">f8", "<i2"])
+def test_packed_arrays_of_other_numbers(client: httpx.Client, kind: str) -> None:
+    fit = fitted(client, {"points": packed(np.round(100.0 * ellipse()).astype(kind))})
+    assert fit["polynomial"]["degree"] == 2
+
+
+def test_options_come_in_the_body_and_in_the_query_which_wins(client: httpx.Client) -> None:
+    body = {"points": ellipse().tolist(), "options": {"t1": 0.0, "max_degree": 3, "basis": "chebyshev"}}
+    fit = fitted(client, body, "max_degree=4")
+    assert (fit["options"]["t1"], fit["options"]["max_degree"]) == (0.0, 4)
+    assert (fit["polynomial"]["basis"], len(fit["steps"]), fit["stop_reason"]) == ("chebyshev", 4, "max-degree")
+
+
+def test_format_in_the_query_wins_over_the_content_type(client: httpx.Client) -> None:
+    headers = {"Content-Type": "application/octet-stream"}
+    assert client.post("/v1/fits?format=npy", content=npy(ellipse()), headers=headers).status_code == 200
+    assert client.post("/v1/fits", content=npy(ellipse()), headers=headers).status_code == 415
+
+
+@pytest.mark.xfail(strict=True, reason="ipcore says nothing when degree 1 meets the criterion on a plane")
+def test_a_plane_is_fitted_by_degree_1_with_a_warning(client: httpx.Client) -> None:
+    flat = np.random.default_rng(0).uniform(size=(50, 3)) * [1.0, 1.0, 0.0]
+    fit = fitted(client, npy(flat))
+    assert (fit["polynomial"]["degree"], fit["stop_reason"]) == (1, "planar")
+    assert any("plane" in warning for warning in fit["warnings"])
+
+
+def test_async_then_long_poll(shared: Server) -> None:
+    answer = post(shared.client, LONG, "t1=0&max_degree=6", Prefer="respond-async")
+    assert answer.status_code == 202
+    assert answer.headers["Preference-Applied"] == "respond-async"
+    assert answer.headers["Retry-After"].isdecimal()
+    where = answer.headers["Location"]
+    assert where == f"/v1/fits/{answer.json()['id']}"
+    assert shared.client.get(where).json()["status"] in ("accepted", "running")
+    now = shared.client.get(where, headers={"Prefer": "wait=30"})
+    assert now.headers["Preference-Applied"] == "wait=30"
+    assert now.json()["status"] == "successful"
+    assert "progress" not in now.json()
+    assert "Retry-After" not in now.headers
+
+
+@pytest.mark.parametrize("prefer", ["wait=0", "wait=1, respond-async"])
+def test_a_short_wait_ends_with_202(shared: Server, prefer: str) -> None:
+    answer = post(shared.client, LONG, HALF_A_MINUTE, Prefer=prefer)
+    assert answer.status_code == 202
+    assert answer.elapsed.total_seconds() < 5.0
+    unfinished = shared.client.get(f"{answer.headers['Location']}/mesh")
+    assert unfinished.status_code == 409
+    assert unfinished.json()["type"] == "urn:ipfit:problem:fit-not-finished"
+    assert "Retry-After" in unfinished.headers
+    assert shared.client.delete(answer.headers["Location"]).json()["status"] == "dismissed"
+
+
+def test_an_unchanged_fit_is_not_sent_again(client: httpx.Client, curve: dict[str, Any]) -> None:
+    where = f"/v1/fits/{curve['id']}"
+    first = client.get(where)
+    etag = first.headers["ETag"]
+    assert re.fullmatch(r'"[0-9a-f]+"', etag)
+    for sent in (etag, f'"other", {etag}', f"W/{etag}", "*"):
+        again = client.get(where, headers={"If-None-Match": sent})
+        assert (again.status_code, again.content, again.headers["ETag"]) == (304, b"", etag), sent
+    assert client.get(where, headers={"If-None-Match": '"other"'}).status_code == 200
+
+
+@pytest.mark.parametrize(("name", "media"), [("glb", "model/gltf-binary"), ("ply", "model/ply"), ("stl", "model/stl")])
+def test_post_answers_with_the_mesh_itself(client: httpx.Client, name: str, media: str) -> None:
+    answer = post(client, npy(torus()), Accept=media)
+    assert (answer.status_code, answer.headers["Content-Type"]) == (200, media)
+    mesh = trimesh.load_mesh(BytesIO(answer.content), file_type=name)
+    mesh.merge_vertices()
+    assert mesh.is_watertight
+    assert mesh.euler_number == 0
+    assert mesh.volume == pytest.approx(2.0 * np.pi**2 * 0.4**2, rel=0.02)
+    assert client.get(answer.headers["Location"]).json()["status"] == "successful"
+
+
+@pytest.mark.parametrize(("name", "media"), [("glb", "model/gltf-binary"), ("obj", "model/obj"), ("ply", "model/ply")])
+@pytest.mark.parametrize("by", ["format", "accept"])
+def test_a_surface_in_every_format(
+    client: httpx.Client, surface: dict[str, Any], name: str, media: str, by: str
+) -> None:
+    query, headers = (f"?format={name}", {}) if by == "format" else ("", {"Accept": f"image/png, {media};q=0.5"})
+    answer = client.get(f"/v1/fits/{surface['id']}/mesh{query}", headers=headers)
+    assert (answer.status_code, answer.headers["Content-Type"].partition(";")[0]) == (200, media)
+    assert f'{surface["id"]}.{name}"' in answer.headers["Content-Disposition"]
+    mesh = trimesh.load_mesh(BytesIO(answer.content), file_type=name)
+    assert np.abs(np.linalg.norm(mesh.vertices, axis=1) - 1.0).max() < 0.01
+
+
+def test_a_curve_in_every_format(client: httpx.Client, curve: dict[str, Any]) -> None:
+    where = f"/v1/fits/{curve['id']}/mesh"
+    assert client.get(where).headers["Content-Type"] == "image/svg+xml"
+    document = client.get(where, headers={"Accept": "application/geo+json"}).json()
+    points = np.concatenate(document["geometry"]["coordinates"])
+    assert np.abs(values(curve, points)).max() < 1e-6
+
+
+def test_resolution_bounds_and_extent(client: httpx.Client, surface: dict[str, Any]) -> None:
+    where = f"/v1/fits/{surface['id']}/mesh?format=ply"
+
+    def vertices(query: str) -> Array:
+        answer = client.get(f"{where}&{query}")
+        assert answer.status_code == 200, answer.text
+        found: Array = np.asarray(trimesh.load_mesh(BytesIO(answer.content), file_type="ply").vertices)
+        return found
+
+    coarse, fine = vertices("resolution=16"), vertices("resolution=48")
+    assert 4 * len(coarse) < len(fine)
+    half = vertices("bounds=-2,-2,0,2,2,2&extent=bounds")
+    assert half[:, 2].min() > -10.0 * SINGLE
+    assert half[:, 2].max() > 0.9
+
+
+def test_what_cannot_be_had_is_refused(client: httpx.Client, surface: dict[str, Any], curve: dict[str, Any]) -> None:
+    for fit, asked in ((surface, "svg"), (curve, "glb")):
+        answer = client.get(f"/v1/fits/{fit['id']}/mesh?format={asked}")
+        assert answer.status_code == 406, asked
+        assert answer.json()["type"] == "urn:ipfit:problem:not-acceptable"
+    assert client.get(f"/v1/fits/{curve['id']}/mesh", headers={"Accept": "model/stl"}).status_code == 406
+    before = post(client, npy(ellipse()), Accept="model/stl")
+    assert before.status_code == 406
+    assert "Location" not in before.headers  # refused before it was accepted
+
+
+def blobs(server: Server) -> set[Path]:
+    return {path for path in (server.folder / "blobs").rglob("*") if path.is_file()}
+
+
+def test_a_removed_fit_takes_its_points_along_unless_others_need_them(shared: Server) -> None:
+    before = blobs(shared)
+    body = npy(ellipse(77))
+    first, second = (fitted(shared.client, body) for _ in range(2))
+    (stored,) = blobs(shared) - before  # the same points are stored once
+    for fit, kept in ((first, True), (second, False)):
+        where = f"/v1/fits/{fit['id']}"
+        gone = shared.client.delete(where)
+        assert (gone.status_code, gone.content) == (204, b"")
+        assert stored.exists() is kept
+        assert shared.client.get(where).status_code == 404
+        assert shared.client.get(f"{where}/mesh").status_code == 404
+        assert shared.client.delete(where).status_code == 404
+
+
+def test_a_large_body_goes_through_a_worker_and_leaves_nothing(shared: Server) -> None:
+    table = torus(20_000)
+    body = json.dumps({"points": table[:, :3].tolist(), "options": {"max_degree": 2}}).encode()
+    assert len(body) > 2**20
+    headers = {"Content-Type": "application/json"}
+    assert shared.client.post("/v1/fits", content=body, headers=headers).json()["points"] == 20_000
+    broken = shared.client.post("/v1/fits", content=body[:-9], headers=headers)
+    assert (broken.status_code, broken.json()["type"]) == (400, "urn:ipfit:problem:malformed-input")
+    wrong = shared.client.post("/v1/fits", content=body.replace(b"]]", b"],[1]]"), headers=headers)
+    assert (wrong.status_code, wrong.json()["errors"][0]["pointer"]) == (422, "/points/20000")
+    assert not list((shared.folder / "incoming").iterdir())

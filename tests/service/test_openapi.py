@@ -1,0 +1,93 @@
+"""The OpenAPI document: committed, true, complete, and its examples work."""
+
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import jsonschema_rs
+import pytest
+
+from service.bootstrap import embedded
+from service.settings import Settings
+from tests.service.running import COMMAND
+
+COMMITTED = Path(__file__).parents[2] / "openapi" / "openapi.json"
+DOCUMENT: dict[str, Any] = embedded(Settings()).openapi()
+EXAMPLES = DOCUMENT["components"]["schemas"]["FitRequest"]["examples"]
+
+
+def nodes(node: object, at: str = "#") -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield every object of a document and its place."""
+    if isinstance(node, dict):
+        yield at, node
+    for key, value in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
+        yield from nodes(value, f"{at}/{key}")
+
+
+def test_the_committed_document_is_the_running_one(client: httpx.Client) -> None:
+    served = client.get("/openapi.json").json()
+    assert json.loads(COMMITTED.read_text(encoding="utf-8")) == served, "make openapi"
+    assert served == DOCUMENT
+
+
+def test_the_command_prints_the_committed_bytes(tmp_path: Path) -> None:
+    printed = subprocess.run([COMMAND, "openapi"], cwd=tmp_path, capture_output=True, check=True)  # noqa: S603 - ours
+    assert printed.stdout == COMMITTED.read_bytes()
+    assert not list(tmp_path.iterdir())
+
+
+def test_every_reference_leads_somewhere() -> None:
+    for at, node in nodes(DOCUMENT):
+        assert "$defs" not in node, at
+        if isinstance(reference := node.get("$ref"), str):
+            target = DOCUMENT
+            for part in reference.removeprefix("#/").split("/"):
+                assert part in target, (at, reference)
+                target = target[part]
+
+
+def test_everything_has_a_description() -> None:
+    for name, schema in DOCUMENT["components"]["schemas"].items():
+        assert schema.get("description"), name
+        for member, value in schema.get("properties", {}).items():
+            assert value.get("description"), (name, member)
+    for path, operations in DOCUMENT["paths"].items():
+        for method, operation in operations.items():
+            assert operation["description"], (method, path)
+            assert operation["summary"], (method, path)
+            for parameter in operation.get("parameters", ()):
+                assert parameter.get("description"), (method, path, parameter["name"])
+            for status, response in operation["responses"].items():
+                assert response["description"], (method, path, status)
+
+
+def test_errors_are_described_as_problems() -> None:
+    for at, node in nodes(DOCUMENT["paths"]):
+        if at.split("/")[-2:-1] == ["responses"] and not at.endswith(("200", "202", "204", "304")):
+            assert list(node["content"]) == ["application/problem+json"], at
+
+
+def test_it_is_openapi_3_1() -> None:
+    assert DOCUMENT["openapi"].startswith("3.1.")
+    for name in DOCUMENT["components"]["schemas"]:
+        jsonschema_rs.Draft202012Validator({"$ref": f"#/components/schemas/{name}", **DOCUMENT})
+
+
+def test_the_sentence_that_explains_the_coefficients_is_there() -> None:
+    sentence = "f(x) = Σ coefficientᵢ · ((x − centre)/scale)^exponentᵢ, negative inside"
+    assert sentence in DOCUMENT["info"]["description"]
+    assert sentence in DOCUMENT["components"]["schemas"]["Polynomial"]["description"]
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_every_example_works_and_its_answer_is_as_described(client: httpx.Client, example: dict[str, Any]) -> None:
+    answer = client.post("/v1/fits", json=example)
+    assert answer.status_code == 200, answer.text
+    fit = answer.json()
+    assert fit["status"] == "successful"
+    jsonschema_rs.Draft202012Validator({"$ref": "#/components/schemas/FitResource", **DOCUMENT}).validate(fit)
+    assert fit["stop_reason"] == "criterion-met", fit
+    assert (client.get(f"/v1/fits/{fit['id']}/mesh")).status_code == 200

@@ -1,0 +1,281 @@
+"""Reading point sets without trusting a byte."""
+
+import base64
+import json
+import struct
+import tracemalloc
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from service.formats import point_sets
+from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
+from service.jobs.fit import PointSet
+from tests.service.bodies import Array, ellipse, npy, sphere
+
+MOST = 1000
+POINTS = ellipse(20).tolist()
+
+
+def read(body: bytes | dict[str, Any], kind: str = "json") -> PointSet:
+    return point_sets.read(body if isinstance(body, bytes) else json.dumps(body).encode(), kind, MOST)
+
+
+def refused(body: bytes | dict[str, Any], kind: str = "json") -> InvalidInputError:
+    with pytest.raises(InvalidInputError) as caught:
+        read(body, kind)
+    return caught.value
+
+
+def header(text: str, data: bytes = b"", version: tuple[int, int] = (1, 0)) -> bytes:
+    length = struct.pack("<H" if version == (1, 0) else "<I", len(text))
+    return b"\x93NUMPY" + bytes(version) + length + text.encode("latin-1") + data
+
+
+def described(shape: str = "(20, 2)", kind: str = "'<f8'", order: str = "False") -> str:
+    return f"{{'descr': {kind}, 'fortran_order': {order}, 'shape': {shape}, }}\n"
+
+
+@pytest.mark.parametrize(
+    "table", [ellipse(), sphere()[:, :3], sphere(), np.hstack([ellipse(), ellipse() - [2.5, 1.0]])]
+)
+def test_what_was_read_splits_into_what_was_sent(table: Array) -> None:
+    found = read(npy(table), "npy")
+    points, normals = point_sets.split(found.content, found.dimension)
+    assert np.array_equal(points, table[:, : found.dimension])
+    assert (normals is None) == (table.shape[1] <= 3)
+    if normals is not None:
+        sent = table[:, found.dimension :]
+        assert np.allclose(normals, sent / np.linalg.norm(sent, axis=1, keepdims=True), atol=1e-15)
+
+
+def test_options_are_handed_on_as_they_are() -> None:
+    assert read({"points": POINTS, "options": {"max_degree": 3}}).options == {"max_degree": 3}
+
+
+@pytest.mark.parametrize(
+    ("points", "at"),
+    [
+        ([], ("points",)),
+        ([[]], ("points",)),
+        ([1.0, 2.0], ("points", 0)),
+        ([[1.0, 2.0], [3.0]], ("points", 1)),
+        ([*POINTS, None], ("points", 20)),
+        ([*POINTS, [None, 1.0]], ("points", 20, 0)),
+        ([*POINTS, [1.0, "2"]], ("points", 20, 1)),
+        ([*POINTS, [1.0, True]], ("points", 20, 1)),
+        ([*POINTS, [1.0, [2.0]]], ("points", 20, 1)),
+        ([*POINTS, [1.0, {}]], ("points", 20, 1)),
+        ("points", ("points",)),
+        (None, ("points",)),
+        (5, ("points",)),
+        ([[1.0, 2.0, 3.0, 4.0, 5.0]] * 9, ("points",)),
+        ([[1.0]] * 9, ("points",)),
+        (POINTS[:2], ("points",)),
+        ([POINTS[0]] * 9, ("points",)),
+        ([[float(i), 2.0 * i] for i in range(9)], ("points",)),
+        ([[float(i), 2.0 * i, 3.0 * i] for i in range(9)], ("points",)),
+        ([*POINTS, [1e400, 0.0]], ("points", 20, 0)),
+        ([*POINTS, [1e300, 0.0]], ("points",)),
+    ],
+)
+def test_points_that_are_none_are_refused_with_their_place(points: object, at: tuple[str | int, ...]) -> None:
+    body = json.dumps({"points": points}).replace("Infinity", "1e400").encode()
+    error = refused(body)
+    assert isinstance(error, MalformedInputError) or error.at == at  # a number too large for a double may be no JSON
+
+
+def test_huge_integers_are_numbers_or_refused() -> None:
+    assert read({"points": [*POINTS, [2**63, 2**60], [-(2**63), 0]]}).points == 22
+    refused(json.dumps({"points": [*POINTS, [10**400, 0]]}).encode())
+
+
+@pytest.mark.parametrize(
+    ("normals", "at"),
+    [
+        (POINTS[:-1], ("normals",)),
+        ([[1.0, 0.0, 0.0]] * 20, ("normals",)),
+        ([[1.0, 0.0]] * 19 + [[0.0, 0.0]], ("normals", 19)),
+        ([[1.0, 0.0]] * 19 + [[0.0, "1"]], ("normals", 19, 1)),
+        ([], ("normals",)),
+        (True, ("normals",)),
+    ],
+)
+def test_normals_that_do_not_belong_are_refused(normals: object, at: tuple[str | int, ...]) -> None:
+    assert refused({"points": POINTS, "normals": normals}).at == at
+
+
+@pytest.mark.parametrize(
+    "body",
+    [b"", b"{", b"nul", b"\xff\xfe", b'{"points": [[1,2],[3,\xc3\x28]]}', b"[" * 100_000, b'{"points": NaN}', b"{}}"],
+)
+def test_what_is_not_json_is_malformed(body: bytes) -> None:
+    assert isinstance(refused(body), MalformedInputError)
+
+
+@pytest.mark.parametrize("body", [b"[]", b"5", b"null", b'"points"', b"{}", b'{"options": {}}'])
+def test_json_without_points_is_refused(body: bytes) -> None:
+    assert not isinstance(refused(body), MalformedInputError)
+
+
+@pytest.mark.parametrize("options", [None, [], 0, "", False, "max_degree"])
+def test_options_must_be_an_object(options: object) -> None:
+    assert refused({"points": POINTS, "options": options}).at == ("options",)
+
+
+def test_an_unknown_member_is_named_but_not_told_back_in_full() -> None:
+    error = refused({"points": POINTS, "x" * 1000: 1})
+    assert str(error).startswith("unknown member 'xxx")
+    assert len(str(error)) < 200
+
+
+def test_a_doubled_key_counts_once() -> None:
+    assert read(b'{"points": 5, "points": ' + json.dumps(POINTS).encode() + b"}").points == 20
+
+
+def test_a_long_string_among_the_points_takes_no_memory() -> None:
+    body = json.dumps({"points": [["x" * 1_000_000, 1.0], *POINTS * 40]}).encode()
+    tracemalloc.start()
+    try:
+        assert refused(body).at == ("points", 0, 0)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 20_000_000
+
+
+PACKED = {"dtype": "<f8", "shape": [20, 2], "data": base64.b64encode(ellipse(20).tobytes()).decode()}
+
+
+def test_packed_arrays_are_read() -> None:
+    assert read({"points": PACKED}).content == read({"points": POINTS}).content
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"dtype": "object"},
+        {"dtype": "|O"},
+        {"dtype": "<c16"},
+        {"dtype": "f8,f8"},
+        {"dtype": "(1000000000,)f8"},
+        {"dtype": "<M8[s]"},
+        {"dtype": "|b1"},
+        {"dtype": "<f16"},
+        {"dtype": "x" * 10_000},
+        {"dtype": None},
+        {"dtype": ["<f8"]},
+        {"shape": [20]},
+        {"shape": [20, 2, 1]},
+        {"shape": [-20, -2]},
+        {"shape": [20.0, 2.0]},
+        {"shape": ["20", "2"]},
+        {"shape": [True, 40]},
+        {"shape": [20, 10**12]},
+        {"shape": [19, 2]},
+        {"shape": None},
+        {"shape": {"0": 20}},
+        {"data": ""},
+        {"data": "%%%%"},
+        {"data": "é"},
+        {"data": 5},
+        {"extra": 5},
+    ],
+)
+def test_packed_arrays_that_are_none_are_refused(change: dict[str, Any]) -> None:
+    assert refused({"points": PACKED | change}).at[0] == "points"
+
+
+@pytest.mark.parametrize("body", [{"points": {**PACKED, "shape": [10**12, 2]}}, {"points": POINTS * 51}])
+def test_too_many_points_are_too_large(body: dict[str, Any]) -> None:
+    assert isinstance(refused(body), TooLargeError)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"\x93NUMPY",
+        b"\x93NUMPY\x01\x00",
+        npy(ellipse(20))[:-1],
+        npy(ellipse(20)) + b"\0",
+        npy(ellipse(20))[:40],
+        b"\x94NUMPY" + npy(ellipse(20))[6:],
+        header(described(), ellipse(20).tobytes(), (3, 0)),
+        header(described(), ellipse(20).tobytes(), (9, 9)),
+        header(described("(20, 10**12)")),
+        header(described("(20, 1000000000000)")),
+        header(described(kind="'|O'"), b"cos\nsystem\n."),
+        header(described(kind="[('x', '<f8'), ('y', '<f8')]"), ellipse(20).tobytes()),
+        header(described(kind="'<c16'"), ellipse(20).tobytes()),
+        header(described(kind="('<f8', (1000000000,))")),
+        header(described(order="5"), ellipse(20).tobytes()),
+        header("{'descr': '<f8'}"),
+        header("((((((((("),
+        header("(" * 9000),
+        header("'unended"),
+        header("{**1}"),
+        header("__import__('os')"),
+        header("\0\0\0"),
+        npy(np.array([object(), None], dtype=object)),
+    ],
+)
+def test_npy_that_is_none_is_malformed(body: bytes) -> None:
+    assert isinstance(refused(body, "npy"), MalformedInputError)
+
+
+def test_a_lying_header_takes_no_memory() -> None:
+    tracemalloc.start()
+    try:
+        assert isinstance(refused(header(described("(1000000000000, 2)")), "npy"), TooLargeError)
+        refused(header(described("(2, 1000000000000)")), "npy")
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 1_000_000
+
+
+@pytest.mark.parametrize("shape", [(20,), (5, 2, 2), (), (20, 1), (20, 5), (0, 2), (20, 0)])
+def test_npy_of_another_shape_is_refused(shape: tuple[int, ...]) -> None:
+    assert refused(npy(np.ones(shape)), "npy").at == ("points",)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_a_number_that_is_none_is_named(bad: float) -> None:
+    table = ellipse(20)
+    table[17, 1] = bad
+    assert refused(npy(table), "npy").at == ("points", 17, 1)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(max_size=5), inner, max_size=4),
+    max_leaves=20,
+)
+
+
+@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+@given(points=JSON, normals=JSON, options=JSON)
+def test_no_json_breaks_the_reader(points: object, normals: object, options: object) -> None:
+    body = {"points": points, "normals": normals, "options": options}
+    with suppress(InvalidInputError):
+        assert read(body).points >= 3
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.integers(0, 200), st.binary(min_size=1, max_size=8))
+@example(8, b"\xff\xff")
+def test_no_damage_breaks_the_npy_reader(at: int, damage: bytes) -> None:
+    whole = npy(ellipse(20))
+    with suppress(InvalidInputError):
+        read(whole[:at] + damage + whole[at + len(damage) :], "npy")
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.text(alphabet="(){}[]'\",:<>|fiuOV0123456789 \n\\descrhapotn_TrueFals", max_size=80))
+def test_no_header_breaks_the_npy_reader(text: str) -> None:
+    assert isinstance(refused(header(text), "npy"), InvalidInputError)

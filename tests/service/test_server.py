@@ -1,0 +1,172 @@
+"""Crashes, deadlines and restarts, with real kills."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from functools import partial
+
+import httpx
+import pytest
+
+from tests.service.bodies import HALF_A_MINUTE, LONG, SOME_SECONDS, ellipse, npy
+from tests.service.running import COMMAND, Server, alive, parent, until
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """Start a server whose workers are killed."""
+    server = Server(tmp_path_factory.mktemp("server") / "data")
+    yield server
+    server.stop()
+
+
+def gone(pid: int) -> bool:
+    return not alive(pid)
+
+
+def kill(pid: int) -> None:
+    os.kill(pid, signal.SIGKILL)
+
+
+def test_a_killed_worker_repeats_its_fit_and_no_other(own: Server) -> None:
+    fits = [own.fit(LONG, SOME_SECONDS, "respond-async") for _ in range(2)]
+    before = [own.under_way(fit) for fit in fits]
+    victim = own.busy()[0]
+    kill(victim)
+    after = [own.look(fit, wait=60) for fit in fits]
+    assert [fit["status"] for fit in after] == ["successful"] * 2
+    repeated = [was["started"] != now["started"] for was, now in zip(before, after, strict=True)]
+    assert sorted(repeated) == [False, True]
+    assert victim not in own.workers()
+    assert own.fit(npy(ellipse()))["status"] == "successful"
+
+
+def test_a_fit_that_kills_its_workers_fails_and_the_next_succeeds(own: Server) -> None:
+    fit = own.fit(LONG, HALF_A_MINUTE, "respond-async")
+    for _ in range(2):
+        own.under_way(fit)
+        (victim,) = own.busy()
+        kill(victim)
+        until(partial(gone, victim))
+        until(lambda: own.look(fit)["status"] == "failed" or not own.look(fit)["progress"])
+    ended = own.look(fit, wait=10)
+    assert ended["status"] == "failed"
+    assert ended["problem"]["type"] == "urn:ipfit:problem:worker-crashed"
+    assert own.fit(npy(ellipse()))["status"] == "successful"
+
+
+def test_idle_workers_may_be_killed_too(own: Server) -> None:
+    for pid in own.workers():
+        kill(pid)
+    assert [own.fit(npy(ellipse()))["status"] for _ in range(3)] == ["successful"] * 3
+    fit = own.fit(npy(ellipse()))
+    assert own.client.get(f"/v1/fits/{fit['id']}/mesh").status_code == 200
+
+
+def test_dismissing_a_running_fit_kills_its_worker_and_frees_the_slot(own: Server) -> None:
+    fits = [own.fit(LONG, HALF_A_MINUTE, "respond-async") for _ in range(3)]
+    for fit in fits[:2]:
+        own.under_way(fit)
+    victims = own.busy()
+    assert len(victims) == 2
+    assert own.look(fits[2])["status"] == "accepted"
+    for fit in fits:
+        answer = own.client.delete(f"/v1/fits/{fit['id']}")
+        assert (answer.status_code, answer.json()["status"]) == (200, "dismissed")
+        assert own.client.get(f"/v1/fits/{fit['id']}/mesh").status_code == 409
+    assert own.fit(npy(ellipse()))["status"] == "successful"
+    until(lambda: not any(alive(pid) for pid in victims))
+    assert [own.look(fit)["status"] for fit in fits] == ["dismissed"] * 3
+
+
+def test_a_new_fork_server_takes_over_from_a_dead_one(own: Server) -> None:
+    for pid in {parent(worker) for worker in own.workers()}:
+        kill(pid)
+    until(lambda: not own.workers())
+    assert [own.fit(npy(ellipse()))["status"] for _ in range(3)] == ["successful"] * 3
+    assert own.workers()
+
+
+def test_a_store_that_fails_is_503(start: Callable[..., Server]) -> None:
+    server = start(WORKERS=1)
+    with closing(sqlite3.connect(server.folder / "fits.sqlite")) as database:
+        database.execute("ALTER TABLE fits RENAME TO elsewhere")
+        headers = {"Content-Type": "application/x-npy"}
+        for answer in (
+            server.client.get("/readyz"),
+            server.client.post("/v1/fits", content=npy(ellipse()), headers=headers),
+        ):
+            assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready")
+            assert "Retry-After" in answer.headers
+        assert server.client.get("/livez").is_success
+        database.execute("ALTER TABLE elsewhere RENAME TO fits")
+    assert server.client.get("/readyz").is_success
+    assert server.fit(npy(ellipse()))["status"] == "successful"
+
+
+def test_progress_grows_while_a_fit_runs(own: Server) -> None:
+    fit = own.fit(LONG, HALF_A_MINUTE, "respond-async")
+    first = own.under_way(fit, degree=1)
+    later = own.under_way(fit, degree=4)
+    assert later["progress"][: len(first["progress"])] == first["progress"]
+    assert [step["degree"] for step in later["progress"]] == list(range(1, len(later["progress"]) + 1))
+    own.client.delete(f"/v1/fits/{fit['id']}")
+
+
+def test_no_fit_is_lost_when_the_server_is_killed_or_stopped(start: Callable[..., Server]) -> None:
+    first = start(WORKERS=1)
+    running = first.fit(LONG, SOME_SECONDS, "respond-async")
+    waiting = first.fit(npy(ellipse()), prefer="respond-async")
+    first.under_way(running)
+    assert first.look(waiting)["status"] == "accepted"
+    orphans = first.workers()
+    first.kill()
+    until(lambda: not any(alive(pid) for pid in orphans), 5.0)  # a worker does not outlive its server
+    half_read = first.folder / "incoming" / "body-left"
+    half_read.write_bytes(b"half a")
+
+    second = start(WORKERS=1)
+    assert not half_read.exists()
+    second.under_way(running)
+    with ThreadPoolExecutor() as threads:
+        where = f"{second.url}/v1/fits/{running['id']}"
+        patient = threads.submit(httpx.get, where, headers={"Prefer": "wait=60"}, timeout=60.0)
+        time.sleep(0.3)
+        began = time.monotonic()
+        second.stop()
+        assert time.monotonic() - began < 5.0
+        assert patient.result().json()["status"] == "running"  # who waits is answered, not cut off
+
+    third = start(WORKERS=1)
+    ended = [third.look(fit, wait=60) for fit in (running, waiting)]
+    assert [fit["status"] for fit in ended] == ["successful"] * 2
+    third.stop()
+
+
+def test_one_folder_is_for_one_server(shared: Server) -> None:
+    second = subprocess.run(  # noqa: S603 - our own command
+        [COMMAND, "serve"],
+        env=os.environ | {"IPFIT_PORT": "0", "IPFIT_DATA_DIR": str(shared.folder)},
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert second.returncode != 0
+    assert "another server uses" in second.stderr
+
+
+def healthcheck(port: object) -> int:
+    told = os.environ | {"IPFIT_PORT": str(port)}
+    return subprocess.run([COMMAND, "healthcheck"], env=told, timeout=30.0, check=False).returncode  # noqa: S603 - ours
+
+
+def test_the_health_check_tells_a_ready_server_from_none(shared: Server) -> None:
+    port = httpx.URL(shared.url).port
+    assert healthcheck(port) == 0
+    assert healthcheck(1) == 1
