@@ -9,10 +9,11 @@ UV     := 0.13.9
 INSTALL      = $(PIP) install --quiet --require-hashes --only-binary :all: -r
 INSTALL_SELF = $(PIP) install --quiet --no-deps --no-build-isolation --no-index -e .
 
+# Extras stay in the lock: pip before 24 looks for `coverage[toml]` outside a lock that pins plain `coverage`, and fails.
 # `make lock LOCK_FLAGS=--upgrade` moves to the newest versions; plain `make lock` keeps every pin that still fits.
 LOCK_FLAGS ?=
 COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python-version 3.11 --no-build --generate-hashes \
-	--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --group build $(LOCK_FLAGS)
+	--no-strip-extras --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --group build $(LOCK_FLAGS)
 
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
