@@ -18,8 +18,25 @@ class Settings(BaseSettings):
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1, ge=1, description="Fits that run at once, a process each."
     )
+    short_workers: int = Field(
+        1, ge=0, description="More workers, which run short fits only, so that these do not wait for long ones."
+    )
+    worker_memory: int = Field(
+        8 * 2**30, ge=2**29, description="Memory that a worker may take, in bytes; a fit that needs more fails."
+    )
     tasks_per_worker: int = Field(100, ge=1, description="Tasks after which a worker process is replaced.")
     fit_deadline: float = Field(600.0, gt=0, description="Seconds that a fit may run before it is killed.")
+    lease: float = Field(
+        30.0, ge=1.0, description="Seconds after which a fit is taken from a supervisor that is not heard of any more."
+    )
+    queue_limit: int = Field(1000, ge=1, description="Fits that may wait; more are answered with 503.")
+    keep_seconds: float = Field(7 * 86400.0, gt=0, description="Seconds that a fit is kept after its end.")
+    keep_bytes: int = Field(
+        10 * 2**30, ge=0, description="Bytes that ended fits may take; beyond, the oldest are removed."
+    )
+    shutdown_grace: float = Field(
+        8.0, ge=0, description="Seconds that running fits get to end after SIGTERM; the others run again later."
+    )
     mesh_deadline: float = Field(60.0, gt=0, description="Seconds that reading an input or making a mesh may take.")
     max_body_bytes: int = Field(64 * 2**20, ge=1024, description="Largest request body, in bytes.")
     max_points: int = Field(100_000, ge=4, description="Most points in a point set.")

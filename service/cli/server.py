@@ -4,6 +4,7 @@ import signal
 import socket
 import sys
 from contextlib import suppress
+from types import FrameType
 from typing import Annotated
 from urllib.error import URLError
 from urllib.request import urlopen
@@ -14,7 +15,7 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.bootstrap import embedded, stop
+from service.bootstrap import drain, embedded, hurry
 from service.settings import Settings, table
 
 # Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for
@@ -23,14 +24,21 @@ GRACE = 5
 
 
 class _Server(uvicorn.Server):
-    """Uvicorn, with the application told that it is to stop before its open requests are waited for."""
+    """Uvicorn, which on the first signal drains the application while it goes on answering, and on the second ends."""
 
     def __init__(self, app: FastAPI, settings: Settings) -> None:
         super().__init__(uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE))
-        self._app = app
+        self._app, self._grace, self._drained = app, settings.shutdown_grace, False
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        if self.should_exit:
+            hurry(self._app)
+            self.force_exit = self._drained  # uvicorn's own word for waiting no longer; what ran was given back
+        super().handle_exit(sig, frame)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        stop(self._app)
+        await drain(self._app, self._grace)
+        self._drained = True
         await super().shutdown(sockets)
 
 

@@ -4,6 +4,7 @@ import asyncio
 import logging
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -25,6 +26,8 @@ BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "V
 PRELOAD = ["service.workers.tasks", "service.formats.drawing", "service.formats.intake"]
 # How often a task that runs is checked to have a pool that is alive.
 LOOK = 1.0
+# Seconds between two looks whether a killed process is gone; most are in a few milliseconds.
+DEATH = 0.005
 
 T = TypeVar("T")
 
@@ -37,14 +40,18 @@ class WorkerPool:
     seat is all that is lost, and it is replaced.
     """
 
-    def __init__(self, size: int, tasks_per_worker: int) -> None:
-        """Prepare `size` workers, each replaced after `tasks_per_worker` tasks. They start with the first task."""
+    def __init__(self, size: int, tasks_per_worker: int, memory: int) -> None:
+        """Prepare `size` workers, each replaced after `tasks_per_worker` tasks, that may take `memory` bytes each.
+
+        They start with the first task.
+        """
         os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))
-        self._tasks_per_worker = tasks_per_worker
+        self._tasks_per_worker, self._memory = tasks_per_worker, memory
         self._inbox = progress.Inbox()
         self._seats = [self._new_seat() for _ in range(size)]
         # First in, first out: a seat whose worker was just killed has the longest time to get another.
         self._free: asyncio.Queue[ProcessPool] = asyncio.Queue()
+        self._evictions: set[asyncio.Task[None]] = set()
         for seat in self._seats:
             self._free.put_nowait(seat)
 
@@ -61,41 +68,48 @@ class WorkerPool:
     ) -> T:
         """Run a function in a worker and return what it returns, or raise what it raises.
 
-        Cancelling the call, or passing the deadline, kills the worker's process; another takes its place.
+        Cancelling the call, or passing the deadline, kills the worker's process. Only when that is dead does another
+        take its place, and does the call return.
 
         Parameters
         ----------
         function, arguments
             A module-level function and its arguments, all picklable.
         deadline
-            Seconds from the moment the worker starts on it.
+            Seconds from the moment there is a worker for it.
         progress
             Called in the event loop with every value that the function reports.
 
         Raises
         ------
-        DeadlineExceededError, WorkerCrashedError
-            If the time was up, or the process died.
+        DeadlineExceededError, WorkerCrashedError, OutOfMemoryError
+            If the time was up, the process died, or it needed more memory than it may take.
 
         """
         task = uuid4().hex
-        seat = await self._free.get()
+        seat: ProcessPool = await self._free.get()
+        limit = asyncio.timeout(deadline)
         try:
             if progress is not None:
                 self._inbox.listen(task, _in_loop(asyncio.get_running_loop(), progress))
-            seat = await self._usable(seat)
-            answer: T = await _outcome(seat, _scheduled(seat, deadline, task, function, arguments))
-        except TimeoutError as error:
-            raise DeadlineExceededError(f"the work took longer than {deadline:g} s and was stopped") from error
+            async with limit:
+                seat = await self._usable(seat)
+                answer: T = await _outcome(seat, _scheduled(seat, task, function, arguments))
         except (ProcessExpired, BrokenProcessPool) as error:
-            seat = self._replace(seat)
+            await self._evict(seat, task)
             code = f" with code {error.exitcode}" if isinstance(error, ProcessExpired) else ""
             raise WorkerCrashedError(f"the worker process ended{code}") from error
-        else:
-            return answer
-        finally:
-            self._inbox.forget(task)
-            self._free.put_nowait(seat)
+        except asyncio.CancelledError:
+            await self._evict(seat, task)
+            raise
+        except Exception as error:
+            if limit.expired():
+                await self._evict(seat, task)
+                raise DeadlineExceededError(f"the work took longer than {deadline:g} s and was stopped") from error
+            self._leave(seat, task)
+            raise
+        self._leave(seat, task)
+        return answer
 
     def close(self) -> None:
         """Kill every worker and wait until they are gone."""
@@ -112,9 +126,27 @@ class WorkerPool:
             max_workers=1,
             max_tasks=self._tasks_per_worker,
             initializer=process.enter,
-            initargs=[self._inbox.address],
+            initargs=[self._inbox.address, self._memory],
             context=context,
         )
+
+    def _leave(self, seat: ProcessPool, task: str) -> None:
+        self._inbox.forget(task)
+        self._free.put_nowait(seat)
+
+    async def _evict(self, seat: ProcessPool, task: str) -> None:
+        """Kill whatever process still works on the task, and put a new seat in the place of its own when it is dead."""
+
+        async def evict() -> None:
+            worker = self._inbox.worker(task)
+            while worker is not None and _killed(worker):  # noqa: ASYNC110 - the system tells only its parent
+                await asyncio.sleep(DEATH)
+            self._leave(self._replace(seat), task)
+
+        eviction = asyncio.create_task(evict())
+        self._evictions.add(eviction)
+        eviction.add_done_callback(self._evictions.discard)
+        await asyncio.shield(eviction)
 
     async def _usable(self, seat: ProcessPool) -> ProcessPool:
         """Return this seat, or a new one if it broke while nobody looked: its idle worker was killed.
@@ -134,11 +166,20 @@ class WorkerPool:
         return new
 
 
+def _killed(worker: int) -> bool:
+    """Kill a process at once, in the middle of a LAPACK call or wherever it is; return whether it was still there."""
+    try:
+        os.kill(worker, signal.SIGKILL)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 def _scheduled(
-    seat: ProcessPool, deadline: float | None, task: str, function: Callable[..., T], arguments: tuple[object, ...]
+    seat: ProcessPool, task: str, function: Callable[..., T], arguments: tuple[object, ...]
 ) -> ProcessFuture[T]:
     try:
-        return seat.schedule(process.run, args=(task, function, arguments), timeout=deadline)
+        return seat.schedule(process.run, args=(task, function, arguments))
     except RuntimeError as error:  # it broke after it was looked at
         raise BrokenProcessPool(str(error)) from error
 
