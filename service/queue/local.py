@@ -105,9 +105,7 @@ class LocalQueue:
             finally:
                 del self._running[fit_id]
             if not run.cancelled() and run.exception() is not None:
-                logger.error(
-                    "fit %s is put back in line", fit_id, exc_info=run.exception()
-                )
+                logger.error("fit %s is put back in line", fit_id, exc_info=run.exception())
                 self._line.join(self._live[fit_id])
             else:
                 self._forget(fit_id)

@@ -33,7 +33,7 @@ class Server:
         self.folder = folder
         self._log = folder.parent / f"{folder.name}-{time.monotonic_ns()}.log"
         kept = {name: value for name, value in os.environ.items() if not name.startswith("IPFIT_")}
-        told = {"PORT": 0, "DATA_DIR": folder, "WORKERS": 2, **settings}
+        told = {"PORT": 0, "DATA_DIR": folder, "WORKERS": 2, "SHORT_WORKERS": 0, "SHUTDOWN_GRACE": 0, **settings}
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(  # noqa: S603 - our own command
                 [COMMAND, "serve"],

@@ -10,9 +10,10 @@ from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager
 from typing import Any
 
+import numpy as np
 import pytest
 
-from service.jobs.errors import DeadlineExceededError, InvalidInputError, WorkerCrashedError
+from service.jobs.errors import DeadlineExceededError, InvalidInputError, OutOfMemoryError, WorkerCrashedError
 from service.workers.pool import BLAS_THREADS, WorkerPool
 from service.workers.progress import report
 from tests.service.running import alive, until
@@ -40,6 +41,18 @@ def sleep(seconds: float) -> int:
 
 def die() -> None:
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def factorise(size: int) -> int:
+    """Spend many seconds inside one LAPACK call, in which Python takes no signals."""
+    table = np.random.default_rng(0).standard_normal((size, size))
+    report({"pid": os.getpid()})
+    np.linalg.svd(table)
+    return size
+
+
+def take(count: int) -> int:
+    return len(bytes(count))
 
 
 def count(to: int) -> int:
@@ -70,7 +83,7 @@ def confuse() -> None:
 
 @asynccontextmanager
 async def pool(size: int = 1, tasks: int = 100) -> AsyncIterator[WorkerPool]:
-    made = WorkerPool(size, tasks)
+    made = WorkerPool(size, tasks, 2**30)
     try:
         yield made
     finally:
@@ -179,6 +192,39 @@ def test_a_cancelled_task_is_killed() -> None:
         assert not alive(first)
 
     run(script)
+
+
+@pytest.mark.parametrize("how", ["cancelled", "over its deadline"])
+def test_a_task_inside_lapack_is_dead_within_a_second_and_its_seat_free(how: str) -> None:
+    async def script(workers: WorkerPool) -> None:
+        seen: list[dict[str, int]] = []
+        deadline = 1.5 if how == "over its deadline" else None
+        task = asyncio.create_task(workers.run(factorise, 3000, deadline=deadline, progress=seen.append))
+        while not seen:  # noqa: ASYNC110 - a report comes when it comes
+            await asyncio.sleep(0.01)
+        await asyncio.sleep(0.3)
+        if how == "cancelled":
+            task.cancel()
+        began = time.monotonic()
+        with pytest.raises((asyncio.CancelledError, DeadlineExceededError)):
+            await task
+        assert not alive(seen[0]["pid"])
+        assert time.monotonic() - began < 1.0 + (deadline or 0.0)
+        assert await workers.run(pid) != seen[0]["pid"]
+
+    run(script)
+
+
+def test_a_task_that_needs_too_much_memory_says_so_and_the_worker_lives(caplog: pytest.LogCaptureFixture) -> None:
+    async def script(workers: WorkerPool) -> None:
+        first = await workers.run(pid)
+        with pytest.raises(OutOfMemoryError, match=str(2**30)):
+            await workers.run(take, 2**31)
+        assert await workers.run(take, 2**20) == 2**20
+        assert await workers.run(pid) == first
+
+    run(script)
+    assert "died" not in caplog.text
 
 
 def test_waiting_for_a_seat_can_be_cancelled() -> None:
