@@ -14,7 +14,16 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
-    data_dir: Path = Field(Path("ipfit-data"), description="Folder of the database and the stored point sets.")
+    database_url: str | None = Field(
+        None,
+        description="A PostgreSQL (`postgresql://…`) that many servers and workers share; else SQLite in the folder.",
+    )
+    blobs_url: str | None = Field(
+        None, description="Where point sets are stored: any fsspec URL that all machines share; else in the folder."
+    )
+    data_dir: Path = Field(
+        Path("ipfit-data"), description="Folder of what one server keeps: its database, its point sets."
+    )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1, ge=1, description="Fits that run at once, a process each."
     )
@@ -56,6 +65,6 @@ def table() -> str:
     """Return the settings as a Markdown table: variable, default, meaning."""
     rows = ["| variable | default | meaning |", "| --- | --- | --- |"]
     for name, field in Settings.model_fields.items():
-        default = "the number of cores" if field.default_factory else f"`{field.default}`"
+        default = "the number of cores" if field.default_factory else f"`{field.default}`".replace("`None`", "")
         rows.append(f"| `IPFIT_{name.upper()}` | {default} | {field.description} |")
     return "\n".join(rows)

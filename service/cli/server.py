@@ -15,7 +15,7 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.bootstrap import drain, embedded, hurry
+from service.bootstrap import application, drain, hurry
 from service.settings import Settings, table
 
 # Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for
@@ -46,18 +46,18 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on; else IPFIT_HOST.")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on; else IPFIT_PORT.")] = None,
 ) -> None:
-    """Serve fits over HTTP, with everything kept in one folder. Settings come from IPFIT_* variables."""
+    """Serve fits over HTTP, alone or as one of many around a database. Settings come from IPFIT_* variables."""
     given = {"host": host, "port": port}
-    chosen = _settings().model_copy(update={name: value for name, value in given.items() if value is not None})
+    chosen = chosen_settings().model_copy(update={name: value for name, value in given.items() if value is not None})
     # Uvicorn takes signals while it runs and raises them again when it has stopped: to stop when told to is no failure.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with suppress(KeyboardInterrupt):
-        _Server(embedded(chosen), chosen).run()
+        _Server(application(chosen), chosen).run()
 
 
 def openapi() -> None:
     """Print the OpenAPI document."""
-    document = embedded(_settings()).openapi()
+    document = application(chosen_settings()).openapi()
     sys.stdout.buffer.write(orjson.dumps(document, option=orjson.OPT_INDENT_2) + b"\n")
 
 
@@ -68,7 +68,7 @@ def settings() -> None:
 
 def healthcheck() -> None:
     """Exit with 0 if the server on this machine is ready, else with 1."""
-    given = _settings()
+    given = chosen_settings()
     host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(given.host, given.host)  # noqa: S104 - looked up, not bound
     try:
         with urlopen(f"http://{host}:{given.port}/readyz", timeout=5.0):
@@ -78,7 +78,7 @@ def healthcheck() -> None:
         raise typer.Exit(1) from error
 
 
-def _settings() -> Settings:
+def chosen_settings() -> Settings:
     """Return the settings, or say which variable is wrong."""
     try:
         return Settings()

@@ -1,6 +1,6 @@
 """Fits in a SQL database, through SQLAlchemy Core."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from threading import Lock
@@ -30,6 +30,9 @@ class Line(Protocol):
 
     def tell(self, connection: Connection, fit_id: str) -> None:
         """Tell everybody that a fit has ended."""
+
+    def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
+        """Return those of the jobs that nobody has taken yet."""
 
 
 class SqlFits:
@@ -157,6 +160,27 @@ class SqlFits:
         """Move every running fit back to accepted; the server that ran them is gone."""
         with self._engine.begin() as connection:
             return self._take_back(connection)
+
+    def rejoin(self, seconds: float) -> int:
+        """Put live fits in line again that nobody has held for so long and that have no job there; return how many.
+
+        There should be none. But a connection may be cut in the very moment in which a job's end is written down.
+        """
+        line = self._line
+        if line is None:
+            return 0
+        with self._engine.begin() as connection:
+            now = self._clock(connection)
+            live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
+            idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
+            query = select(fits.c.id, fits.c.cost, fits.c.job).where(live, idle).with_for_update(skip_locked=True)
+            found = connection.execute(query).all()
+            in_line = line.in_line(connection, [one.job for one in found])
+            lost = [one for one in found if one.job not in in_line]
+            for one in lost:
+                job = line.join(connection, one.id, one.cost)
+                connection.execute(update(fits).where(fits.c.id == one.id).values(job=job, touched=now))
+        return len(lost)
 
     def outdated(self, before: datetime, size: int) -> list[str]:
         """Return the ids of fits that ended before a moment, and of the oldest beyond `size` bytes of ended fits."""

@@ -1,4 +1,4 @@
-"""The fit store on real SQLite files: durable, and no move but the legal ones."""
+"""The fit store on SQLite files and on a PostgreSQL: durable, and no move but the legal ones."""
 
 import dataclasses
 import time
@@ -9,20 +9,35 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, Fit, FitStatus, Holder, PointSetRef
+from service.queue.postgres import PostgresLine, schema
 from service.store.fits import SqlFits
-from service.store.tables import sqlite_engine
+from service.store.tables import postgres_engine, sqlite_engine
+from tests.service.postgres import Postgres
 
 LIMIT = 40
 ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
 NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
 
 
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[SqlFits]:
+@pytest.fixture(scope="session")
+def database(postgres: Postgres) -> Iterator[Engine]:
+    engine = postgres_engine(postgres.database(), schema())
+    yield engine
+    engine.dispose()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
+    if request.param == "postgresql":
+        engine: Engine = request.getfixturevalue("database")
+        with engine.begin() as connection:
+            connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
+        yield SqlFits(engine, LIMIT, PostgresLine())
+        return
     engine = sqlite_engine(tmp_path / "fits.sqlite")
     yield SqlFits(engine, LIMIT)
     engine.dispose()
@@ -281,3 +296,41 @@ def test_commits_are_flushed_to_disk(tmp_path: Path) -> None:
         assert connection.execute(text("PRAGMA journal_mode")).scalar() == "wal"
         assert connection.execute(text("PRAGMA synchronous")).scalar() == 2  # FULL
     engine.dispose()
+
+
+def jobs(engine: Engine) -> list[str]:
+    with engine.connect() as connection:
+        return list(connection.execute(text("SELECT status FROM procrastinate_jobs ORDER BY id")).scalars())
+
+
+@pytest.fixture
+def shared(database: Engine) -> SqlFits:
+    with database.begin() as connection:
+        connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
+    return SqlFits(database, LIMIT, PostgresLine())
+
+
+def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, database: Engine) -> None:
+    add(shared, fit())
+    assert jobs(database) == ["todo"]
+    with database.begin() as connection:
+        connection.execute(text("ALTER TABLE procrastinate_jobs RENAME TO elsewhere"))
+    with pytest.raises(Exception, match="procrastinate_jobs"):
+        add(shared, fit("two"))
+    with database.begin() as connection:
+        connection.execute(text("ALTER TABLE elsewhere RENAME TO procrastinate_jobs"))
+    assert shared.get("two") is None
+    assert shared.dismiss("one")
+    assert jobs(database) == ["cancelled"]
+
+
+def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: SqlFits, database: Engine) -> None:
+    for name in ("lost", "waits", "runs", "ended"):
+        add(shared, fit(name))
+    shared.start("runs", ME)
+    shared.dismiss("ended")
+    with database.begin() as connection:
+        connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed' WHERE args->>'fit_id' <> 'waits'"))
+    assert shared.rejoin(60.0) == 3 - 2  # `created` lies in the past, so the one that waits is old enough at once
+    assert jobs(database) == ["failed", "todo", "failed", "failed", "todo"]
+    assert shared.rejoin(0.0) == 0

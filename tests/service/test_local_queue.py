@@ -22,7 +22,6 @@ from service.store.tables import sqlite_engine
 from service.workers.pool import WorkerPool
 from service.workers.progress import report
 
-
 LONG = 10.0 * SHORT
 
 

@@ -203,7 +203,7 @@ def test_a_full_disk_is_503_and_accepts_nothing(start: Callable[..., Server]) ->
     with closing(sqlite3.connect(server.folder / "fits.sqlite")) as database:
         assert database.execute("SELECT count(*) FROM fits").fetchone() == (1,)
     assert server.fit(npy(ellipse(61)))["status"] == "successful"
-    server.stop()
+    server.kill()
 
 
 def test_a_full_queue_is_503_and_says_when_to_come_again(start: Callable[..., Server]) -> None:
