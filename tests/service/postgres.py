@@ -41,7 +41,7 @@ class Postgres:
     def start(self) -> None:
         """Start; after a kill, what was committed is there again."""
         told = [word for name, value in SETTINGS.items() for word in ("-c", f"{name}={value}")]
-        command = [self._programs / "postgres", "-D", "data", "-k", self._folder, *told]
+        command: list[str | Path] = [self._programs / "postgres", "-D", "data", "-k", self._folder, *told]
         with (self._folder / "log").open("ab") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=log, **self._as)  # noqa: S603 - the package's
         end = time.monotonic() + 60.0
@@ -80,7 +80,8 @@ class Postgres:
 
     def cut(self, share: float = 1.0) -> int:
         """Cut this share of all connections to test databases; return how many there were."""
-        query = "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE datname LIKE 'test%%' AND random() < %s"
+        chosen = "datname LIKE 'test%%' AND random() < %s"
+        query = f"SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE {chosen}"  # noqa: S608 - as above
         with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
             row = connection.execute(query, [share]).fetchone()
         return int(row[0]) if row else 0

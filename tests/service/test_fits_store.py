@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from procrastinate.exceptions import ConnectorException
 from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
@@ -315,7 +316,7 @@ def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, da
     assert jobs(database) == ["todo"]
     with database.begin() as connection:
         connection.execute(text("ALTER TABLE procrastinate_jobs RENAME TO elsewhere"))
-    with pytest.raises(Exception, match="procrastinate_jobs"):
+    with pytest.raises(ConnectorException):
         add(shared, fit("two"))
     with database.begin() as connection:
         connection.execute(text("ALTER TABLE elsewhere RENAME TO procrastinate_jobs"))
@@ -331,6 +332,6 @@ def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: Sql
     shared.dismiss("ended")
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed' WHERE args->>'fit_id' <> 'waits'"))
-    assert shared.rejoin(60.0) == 3 - 2  # `created` lies in the past, so the one that waits is old enough at once
-    assert jobs(database) == ["failed", "todo", "failed", "failed", "todo"]
+    assert shared.rejoin(60.0) == 1
+    assert sorted(jobs(database)) == ["failed"] * 3 + ["todo"] * 2
     assert shared.rejoin(0.0) == 0
