@@ -17,7 +17,7 @@ from service.queue.runner import PARTING, Runner
 logger = logging.getLogger(__name__)
 
 UPKEEP_QUEUE = "upkeep"
-UPKEEP = "*/1 * * * * */10"  # every ten seconds: the sixth field is that of the seconds
+UPKEEP = "*/1 * * * * */5"  # every five seconds: the sixth field is that of the seconds
 # Seconds before a lane that lost its database tries again.
 PAUSE = 1.0
 # Seconds that a database may be away before the lanes notice.
