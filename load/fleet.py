@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
@@ -29,6 +30,8 @@ SETTINGS: dict[str, object] = {
 }
 # Seconds after which a dead process is started again.
 RESTART = 0.2
+
+Strike = Callable[[random.Random], None]
 
 
 class Program:
@@ -101,7 +104,7 @@ class Fleet:
 
     def strike(self, chance: random.Random) -> None:
         """Do one random thing that a machine room does to processes."""
-        strikes = {
+        strikes: dict[Strike, int] = {
             self._kill_worker: 50,
             self._kill_fork_server: 8,
             self._kill_server: 18,

@@ -98,7 +98,7 @@ class Verdict:
             self.wrong.append(f"{promise.fit}: dismissed, and nobody asked for it")
 
     def _explain(self, promise: Promise, problem: dict[str, Any]) -> None:
-        """A fit may fail because its processes were killed, as often as it takes; for no other reason."""
+        """Accept that a fit failed if its processes were killed as often as it takes, and for no other reason."""
         starts = sum(new == "running" for fit, _, new in self._moves if fit == promise.fit)
         enough = MAX_CRASHES if problem["detail"] == CRASHED else MAX_ABANDONED if problem["detail"] == LEFT else None
         if enough is None or starts < enough:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from contextlib import AsyncExitStack
 from datetime import UTC, datetime, timedelta
 
-import procrastinate
 from procrastinate import App, BaseRetryStrategy, JobContext, PsycopgConnector, RetryDecision
 from procrastinate.jobs import DeleteJobCondition, Job
 
@@ -110,8 +109,8 @@ class Crew:
                     stalled_worker_timeout=self._lease,
                     delete_jobs=DeleteJobCondition.SUCCESSFUL,
                 )
-            except procrastinate.exceptions.ProcrastinateException as error:
-                logger.warning("the lane %s lost its database: %s", "+".join(queues), error)
+            except Exception:  # a lane that ended would leave its seats empty, and nobody would see
+                logger.exception("the lane %s lost its database", "+".join(queues))
             await asyncio.sleep(PAUSE)
 
     async def _fit(self, fit_id: str) -> None:
