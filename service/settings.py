@@ -16,6 +16,7 @@ class Settings(BaseSettings):
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
     database_url: str | None = Field(
         None,
+        pattern="^postgres(ql)?://",
         description="A PostgreSQL (`postgresql://…`) that many servers and workers share; else SQLite in the folder.",
     )
     blobs_url: str | None = Field(
