@@ -87,7 +87,7 @@ class FitOptions:
     max_degree: int | None = None
     constraints: Constraints = Constraints.THREE_LAYER
     layer_distance: float = 0.05
-    gradient_weight: float = 0.005
+    gradient_weight: float = 0.0005
     criterion: Criterion = Criterion.DISTANCE
     t1: float = 0.01
     t2: float = 0.95
