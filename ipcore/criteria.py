@@ -8,7 +8,7 @@ On noisy data D_dist stays near the noise and the rule may never be met. What th
 free from the factorisation: three estimates of the error at points that were not fitted, each with a minimum.
 
 GCV = n · RSS / (n − k)²              Golub, Heath and Wahba 1979; n rows, k degrees of freedom
-BIC = N ln(RSS / n) + k ln N          Schwarz 1978; N points, for the rows of one point share one error
+BIC = n ln(RSS / n) + k ln n          Schwarz 1978
 LOO = mean ‖(I − H_ii)⁻¹ r_i‖² / r    r_i the residuals of the r rows of point i, left out together; H = Q Qᵀ
 """
 
@@ -83,13 +83,16 @@ def gcv(rows: int, freedom: float, rss: float) -> float:
     return rows * rss / free**2 if free > 0.0 else float("inf")
 
 
-def bic(points: int, rows: int, freedom: float, rss: float) -> float:
+def bic(rows: int, freedom: float, rss: float) -> float:
     """Return Schwarz' criterion, up to a constant.
 
-    >>> bic(100, 300, 0.0, 300.0)
+    It asks for a simpler fit than the other two. The rows of one point are counted as independent, which they are not:
+    with points for rows it stopped far too early, on outlines with noise 0.02 at up to twice the error.
+
+    >>> bic(300, 0.0, 300.0)
     0.0
     """
-    return float(points * np.log(max(rss / rows, np.finfo(float).tiny)) + freedom * np.log(points))
+    return float(rows * np.log(max(rss / rows, np.finfo(float).tiny)) + freedom * np.log(rows))
 
 
 class Leverage:

@@ -8,7 +8,8 @@ from ipcore.options import FitOptions
 from ipcore.result import Step, StopReason
 
 # How many degrees without a better one end the search for a minimum. Even and odd degrees fit differently well, so two
-# would compare too few of a kind; on outlines with noise the criterion did not come back lower after three.
+# would compare too few of a kind; on six outlines with noise 0.005 and 0.02, up to degree 18, three found the same
+# minimum as looking at every degree in 23 of 24 searches by gcv and bic.
 LOOK_AHEAD = 3
 
 

@@ -48,8 +48,9 @@ class FitOptions:
     layer_distance
         c, the distance of the outer layers of the 3L and 5L constraints from the data, in mean radii; 0 < c ≤ 0.3.
     gradient_weight
-        μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. The default is
-        2c² for c = 0.05: near a straight line two layers at ±c weigh ∂f/∂n so.
+        μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. Two layers at
+        ±c weigh ∂f/∂n by about 2c², 0.005. The default was tuned on five outlines, degrees 6 to 18: of 0.0005 … 1 the
+        smallest gave the smallest D_dist nearly everywhere, and D_smooth as large as the others.
     criterion
         What ends the search; see `Criterion`.
     t1

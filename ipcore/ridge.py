@@ -6,9 +6,13 @@ aᵀDa is then the same however the shape is turned: the multinomial weights mak
 rotation-invariant (Bombieri) norm of that form. With D = I, "the simplest choice", it is not.
 
 D speaks of monomials of the frame. So a ridged fit is computed in monomials, not in Chebyshev products, whose
-coefficients would be damped in a mixture of forms; what monomials cost in condition, κD bounds again. It also leaves
-each damping row with one entry, √(κ D_αα) in column α: when a column is appended nothing earlier moves, and a
-fit's prefix is the ridged fit of the lower degree.
+coefficients would be damped in a mixture of forms, and the shape's box would decide the mixture. Each damping row then
+has one entry, √(κ D_αα) in column α: when a column is appended nothing earlier moves, and a fit's prefix is the ridged
+fit of the lower degree. Monomials cost no accuracy: with columns scaled to length 1 their condition is no worse (a
+bird's outline at degree 20: 3e10, Chebyshev products 1e13; the bunny at degree 12: 5e7 and 3e9).
+
+γ_s grows with the number of points as MᵀM does, so with the appendix's D the damping does not depend on how densely the
+shape is sampled; with D = I, taken as printed, it does.
 """
 
 from math import factorial, prod

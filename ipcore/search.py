@@ -83,7 +83,7 @@ class DegreeSearch:
         return fitted.polynomial, step
 
     def _step(self, fitted: LinearStep, at: Closeness, started: float) -> Step:
-        points, asked = len(self._data.points), self._options.criterion is Criterion.BIC
+        asked = self._options.criterion is Criterion.BIC
         return Step(
             degree=fitted.polynomial.degree,
             columns=fitted.columns,
@@ -95,7 +95,7 @@ class DegreeSearch:
             condition=fitted.condition,
             seconds=perf_counter() - started,
             ridged=fitted.ridged,
-            bic=criteria.bic(points, fitted.rows, fitted.freedom, fitted.rss) if asked else None,
+            bic=criteria.bic(fitted.rows, fitted.freedom, fitted.rss) if asked else None,
             loo=fitted.loo,
             diagonal_ratio=fitted.diagonal_ratio,
         )
