@@ -93,9 +93,11 @@ class _Search:
             step = self._try(degree)
             if progress is not None:
                 progress(step)
+            if self._data.planar:
+                return StopReason.PLANAR
             if self._rule.met(step.d_dist, step.d_smooth):
                 return StopReason.CRITERION_MET
-        return StopReason.PLANAR if self._data.planar else StopReason.MAX_DEGREE
+        return StopReason.MAX_DEGREE
 
     def _try(self, degree: int) -> Step:
         started = perf_counter()
