@@ -2,6 +2,7 @@
 
 from ipcore.adaptive import fit
 from ipcore.basis import Basis
+from ipcore.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.errors import (
     InvalidNormalsError,
     InvalidOptionsError,
@@ -20,10 +21,15 @@ from ipcore.zero_set import ZeroSet, zero_set
 
 __all__ = [
     "Basis",
+    "Collinear",
+    "Constraints",
+    "Criterion",
     "Diagnostics",
+    "Factor",
     "FitOptions",
     "FitResult",
     "Frame",
+    "Granularity",
     "IPCoreError",
     "ImplicitPolynomial",
     "InvalidNormalsError",
@@ -32,6 +38,9 @@ __all__ = [
     "InvalidPolynomialError",
     "NormalSource",
     "PointSet",
+    "Preset",
+    "Ridge",
+    "RidgeMatrix",
     "Step",
     "StopReason",
     "ZeroSet",
