@@ -5,8 +5,9 @@ BIN    := $(VENV)/bin
 PIP     = $(BIN)/python -m pip --disable-pip-version-check
 UV     := 0.13.9
 
-# Wheels only, and only those whose hash is in the lock; then the project itself, with nothing fetched.
-INSTALL      = $(PIP) install --quiet --require-hashes --only-binary :all: -r
+# Wheels only, and only those whose hash is in the lock, which is complete: pip need not resolve anything, and so cannot
+# stumble over a release newer than a pin. Then the project itself, with nothing fetched.
+INSTALL      = $(PIP) install --quiet --no-deps --require-hashes --only-binary :all: -r
 INSTALL_SELF = $(PIP) install --quiet --no-deps --no-build-isolation --no-index -e .
 
 # `make lock LOCK_FLAGS=--upgrade` moves to the newest versions; plain `make lock` keeps every pin that still fits.

@@ -1,22 +1,23 @@
 """The two ways in: a fit whose degree finds itself (the paper's section 4), and a fit of a degree that is known."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from importlib.metadata import version
 
 from numpy.typing import ArrayLike
 
-from ipcore import judges, monomials
+from ipcore import monomials
 from ipcore import points as pointset
-from ipcore.choices import Constraints, Criterion
+from ipcore.choices import Constraints, Criterion, Granularity, chosen
 from ipcore.errors import InvalidOptionsError
+from ipcore.judges import Judge, LastJudge, judge
 from ipcore.linear import prefix_fit
 from ipcore.options import HIGHEST_DEGREE, FitOptions
 from ipcore.oriented import OrientedPoints, sha256
 from ipcore.points import PointSet
 from ipcore.ranges import integer
 from ipcore.report import diagnose
-from ipcore.result import FitResult
+from ipcore.result import FitResult, StopReason
 from ipcore.search import DegreeSearch, Progress, stops
 
 
@@ -60,8 +61,9 @@ def fit(
     given = pointset.check(points, normals)
     dimension = given.points.shape[1]
     cap = options.degree_cap(dimension)
-    cap = 1 if given.planar else cap
-    return _searched(given, options, cap, stops(dimension, cap, options.granularity), progress)
+    if given.planar:
+        return _searched(given, options, stops(dimension, 1, Granularity.FORM), LastJudge(StopReason.PLANAR), progress)
+    return _searched(given, options, stops(dimension, cap, options.granularity), judge(options), progress)
 
 
 def fit_fixed(
@@ -107,18 +109,18 @@ def fit_fixed(
             f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
         )
     options = options or FitOptions()
-    family = options.constraints if method is None else Constraints(method)
+    family = options.constraints if method is None else chosen("method", method, Constraints)
     options = replace(options, max_degree=degree, criterion=Criterion.NONE, constraints=family)
-    return _searched(given, options, degree, [columns], None)
+    return _searched(given, options, [columns], LastJudge(), None)
 
 
 def _searched(
-    given: PointSet, options: FitOptions, cap: int, alphas: Iterable[int], progress: Progress | None
+    given: PointSet, options: FitOptions, alphas: Sequence[int], by: Judge, progress: Progress | None
 ) -> FitResult:
     """Orient the points, search over these stops, and report."""
     data = OrientedPoints.of(given, options.neighbours)
-    linear = prefix_fit(data, options, cap)
-    search = DegreeSearch(data, options, linear, judges.judge(options))
+    linear = prefix_fit(data, options, monomials.degree_of(data.points.shape[1], alphas[-1]))
+    search = DegreeSearch(data, options, linear, by)
     found = search.run(alphas, progress)
     diagnosis = diagnose(found.polynomial, data, options, found.reason, linear.orthogonality_loss(found.step.columns))
     return FitResult(

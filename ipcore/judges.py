@@ -66,7 +66,9 @@ class MinimumJudge:
 class LastJudge:
     """No criterion: every fit is better than the one before."""
 
-    exhausted = StopReason.DEGREE_REACHED
+    def __init__(self, exhausted: StopReason = StopReason.DEGREE_REACHED) -> None:
+        """End with this reason."""
+        self.exhausted = exhausted
 
     def score(self, step: Step) -> float:
         """Return −α."""

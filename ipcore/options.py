@@ -48,9 +48,8 @@ class FitOptions:
     layer_distance
         c, the distance of the outer layers of the 3L and 5L constraints from the data, in mean radii; 0 < c ≤ 0.3.
     gradient_weight
-        μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. Two layers at
-        ±c weigh ∂f/∂n by about 2c², 0.005. The default was tuned on five outlines, degrees 6 to 18: of 0.0005 … 1 the
-        smallest gave the smallest D_dist nearly everywhere, and D_smooth as large as the others.
+        μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. The default is
+        2c² for c = 0.05: near a straight line two layers at ±c weigh ∂f/∂n so. On clean data less is closer.
     criterion
         What ends the search; see `Criterion`.
     t1
@@ -88,7 +87,7 @@ class FitOptions:
     max_degree: int | None = None
     constraints: Constraints = Constraints.THREE_LAYER
     layer_distance: float = 0.05
-    gradient_weight: float = 0.0005
+    gradient_weight: float = 0.005
     criterion: Criterion = Criterion.DISTANCE
     t1: float = 0.01
     t2: float = 0.95

@@ -3,7 +3,7 @@
 What fits at each stop and what judges the fits are plugged in; the loop is written once.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -29,7 +29,7 @@ class Found:
     reason: StopReason
 
 
-def stops(dimension: int, cap: int, granularity: Granularity) -> Iterable[int]:
+def stops(dimension: int, cap: int, granularity: Granularity) -> Sequence[int]:
     """Return the numbers of columns α at which a search looks at the fit, up to the degree `cap`.
 
     Form by form from degree 1, or column by column from α = 2, the first that has a gradient.
@@ -51,11 +51,11 @@ class DegreeSearch:
         self._data, self._options = data, options
         self._fit, self._judge = fit, judge
 
-    def run(self, alphas: Iterable[int], progress: Progress | None) -> Found:
+    def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
         """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
         count, dimension = self._data.points.shape
         best: tuple[float, ImplicitPolynomial, Step] | None = None
-        reason = StopReason.PLANAR if self._data.planar else self._judge.exhausted
+        reason = self._judge.exhausted
         for alpha in alphas:
             if best is not None and alpha > max(count, dimension + 1):
                 reason = StopReason.TOO_FEW_POINTS
