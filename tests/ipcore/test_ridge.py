@@ -1,3 +1,4 @@
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,8 @@ def test_the_prefix_of_degree_8_is_the_fit_of_degree_8(ridged: str, factor: Fact
     first = twelve.raise_to(monomials.count(2, 8))
     last = twelve.raise_to(monomials.count(2, 12))
     assert last.ridged > first.ridged > 0
-    np.testing.assert_array_equal(first.polynomial.coefficients, alone.polynomial.coefficients)
+    tolerance = 100 * EPS * alone.condition  # the two only sum over vectors of different length
+    np.testing.assert_allclose(first.polynomial.coefficients, alone.polynomial.coefficients, atol=tolerance)
     straight = LeastSquaresFit(data, options, 12).raise_to(monomials.count(2, 12))
     np.testing.assert_array_equal(last.polynomial.coefficients, straight.polynomial.coefficients)
 
@@ -80,20 +82,14 @@ def test_the_prefix_of_degree_8_is_the_fit_of_degree_8(ridged: str, factor: Fact
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_d_is_what_no_rotation_changes(dimension: int) -> None:
     generator = np.random.default_rng(2)
-    x = generator.normal(size=(50, dimension))
+    x = generator.normal(size=(300, dimension))
     rotation = np.linalg.qr(generator.normal(size=(dimension, dimension)))[0]
     powers = monomials.exponents(dimension, 5)
     a = generator.normal(size=len(powers))
     M, N = ((y[:, None, :] ** powers).prod(axis=2) for y in (x, x @ rotation))
-    while len(M) < len(powers):
-        raise AssertionError
-    turned = np.linalg.lstsq(N, M @ a)[0] if len(powers) <= len(x) else None
-    if turned is None:
-        y = generator.normal(size=(4 * len(powers), dimension))
-        M, N = ((z[:, None, :] ** powers).prod(axis=2) for z in (y, y @ rotation))
-        turned = np.linalg.lstsq(N, M @ a)[0]
-    invariant = ridge.diagonal(RidgeMatrix.INVARIANT, x, 5)
-    assert float(invariant @ turned**2) == pytest.approx(float(invariant @ a**2), rel=1e-9)
+    turned = np.linalg.lstsq(N, M @ a)[0]
+    D = ridge.diagonal(RidgeMatrix.INVARIANT, x, 5)
+    assert float(D @ turned**2) == pytest.approx(float(D @ a**2), rel=1e-9)
     assert abs(turned @ turned - a @ a) > 0.01 * (a @ a)
 
 
@@ -113,7 +109,7 @@ def test_more_damping_is_less_condition_less_freedom_and_more_residual() -> None
     for kappa in (1e-12, 1e-8, 1e-4, 1e-1):
         options = FitOptions.of(ridge="full", ridge_strength=kappa, measure_zero_set=False)
         steps.append(ipcore.fit_fixed(points, normals, options, degree=10).steps[0])
-    for less, more in zip(steps[:-1], steps[1:], strict=True):
+    for less, more in pairwise(steps):
         assert more.condition < less.condition
         assert more.rss > less.rss
         assert more.ridged == more.columns == 66
