@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -26,7 +27,8 @@ def oriented(make: Callable[[], Shape], count: int = 300) -> OrientedPoints:
 
 def coefficients_of(truth: Shape, fitted: ipcore.ImplicitPolynomial) -> FloatArray:
     """Return the shape's own coefficients in the frame of a fit, with the fit's norm."""
-    x = np.random.default_rng(0).uniform(*truth.polynomial.bounds, (2000, fitted.dimension))
+    lower, upper = truth.polynomial.bounds
+    x = np.random.default_rng(0).uniform(lower, upper, (2000, fitted.dimension))
     u = fitted.frame.to_local(x)
     M = (u[:, None, :] ** fitted.exponents).prod(axis=2)
     a = np.linalg.lstsq(M, truth.polynomial(x))[0]
@@ -54,23 +56,14 @@ def test_layers_do_not_because_the_shape_is_no_level_set_of_its_offsets(make: Ca
 
 
 @pytest.mark.parametrize("family", Constraints)
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_a_straight_line_or_a_plane_is_reproduced_by_all(family: Constraints, dimension: int) -> None:
+def test_a_plane_is_reproduced_by_all(family: Constraints) -> None:
     generator = np.random.default_rng(0)
-    rotation = np.linalg.qr(generator.normal(size=(dimension, dimension)))[0]
-    flat = generator.uniform(-1.0, 1.0, (80, dimension))
-    flat[:, 0] = 0.0
-    normals = np.tile(rotation.T[0], (80, 1))
-    x = flat @ rotation.T + 3.0
-    if dimension == 2:  # points on one line are no outline: a second one, far below, keeps them from being refused
-        x = np.vstack([x, x - 2.0 * normals])
-        normals = np.vstack([normals, -normals])
-        fitted = ipcore.fit_fixed(x, normals, QUICK, degree=2, method=family).polynomial
-        tolerance = 0.05 if family in {Constraints.THREE_LAYER, Constraints.FIVE_LAYER} else 1e-2
-    else:
-        fitted, tolerance = ipcore.fit_fixed(x, normals, QUICK, degree=1, method=family).polynomial, 1e-12
-    assert np.abs(fitted.distance(x)).max() < tolerance
-    assert (fitted(x + 0.1 * normals) > 0.0).all()
+    rotation = np.linalg.qr(generator.normal(size=(3, 3)))[0]
+    normals = np.tile(rotation[0], (80, 1))
+    x = generator.uniform(-1.0, 1.0, (80, 2)) @ rotation[1:] + 3.0
+    plane = ipcore.fit_fixed(x, normals, QUICK, degree=1, method=family).polynomial
+    assert np.abs(plane.distance(x)).max() < 1e-13
+    assert (plane(x + 0.1 * normals) > 0.0).all()
 
 
 @pytest.mark.parametrize("make", [shapes.circle, shapes.sphere])
@@ -96,13 +89,12 @@ def test_a_fit_with_coefficients_to_spare_has_the_gradient_that_was_asked_for(fa
 
 @pytest.mark.parametrize(("module", "order"), [(min_max, 1), (min_var, 2)])
 @pytest.mark.parametrize("make", [shapes.superellipse, shapes.torus])
-def test_gradient_lengths_are_norms_of_all_monomials(module: object, order: int, make: Callable[[], Shape]) -> None:
+def test_gradient_lengths_are_norms_of_all_monomials(module: ModuleType, order: int, make: Callable[[], Shape]) -> None:
     data = oriented(make)
     powers = monomials.exponents(data.points.shape[1], 7)
     m = (data.points[:, None, :] ** powers).prod(axis=2)
     w = np.linalg.norm(m, ord=order, axis=1)
-    lengths = {min_max: min_max.gradient_length, min_var: min_var.gradient_length}[module](data.points, 7)  # type: ignore[index]
-    np.testing.assert_allclose(lengths, w / w.mean(), rtol=100 * EPS)
+    np.testing.assert_allclose(module.gradient_length(data.points, 7), w / w.mean(), rtol=100 * EPS)
 
 
 @pytest.mark.parametrize("family", LINEAR)
@@ -130,7 +122,7 @@ def test_rows_are_what_they_say(kind: Basis, make: Callable[[], Shape]) -> None:
     options = FitOptions(constraints=Constraints.THREE_LAYER_GRADIENT, gradient_weight=mu)
     rows = families.rows(data.points, data.normals, options)
     M = System(rows, kind, data.bounds, 5).columns(0, monomials.count(d, 5))
-    a = np.random.default_rng(1).normal(size=M.shape[1])
+    a: FloatArray = np.random.default_rng(1).normal(size=(M.shape[1],))
     f = data.polynomial(5, a, kind)
     expected = [f(data.points + o * data.normals) for o in (0.0, 0.05, -0.05)]
     expected += list(np.sqrt(mu) * f.gradient(data.points).T)

@@ -78,7 +78,7 @@ def test_the_residual_is_that_of_the_delivered_solution_even_when_orthogonality_
     factor.append(M)
     assert factor.orthogonality_loss(M.shape[1]) > 1e-3
     left = b - M @ factor.solve()
-    np.testing.assert_allclose(factor.residual, left, atol=1e-6 * np.linalg.norm(b))
+    np.testing.assert_allclose(factor.residual, left, atol=1e-6 * float(np.linalg.norm(b)))
 
 
 @pytest.mark.parametrize("kind", [GramSchmidt, BlockGramSchmidt])

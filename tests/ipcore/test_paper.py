@@ -1,5 +1,7 @@
 """The preset that follows Zheng, Takamatsu and Ikeuchi (ACCV 2007) to the letter."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from skimage import data, measure
@@ -8,7 +10,7 @@ import ipcore
 from ipcore import FitOptions, monomials, shapes
 from ipcore._typing import FloatArray
 
-QUIET = {"measure_zero_set": False}
+QUIET: dict[str, Any] = {"measure_zero_set": False}
 
 
 def cell() -> FloatArray:

@@ -43,7 +43,7 @@ def test_it_solves_equation_8(kind: Any, kappa: float) -> None:  # noqa: ANN401 
     plain = kind(b, Policy(1e-12))
     plain.append(M)
     printed = plain.R + kappa * np.linalg.solve(plain.R.T, np.diag(D))
-    np.testing.assert_allclose(printed @ a, plain.rhs, atol=1e-8 * np.linalg.norm(b))
+    np.testing.assert_allclose(printed @ a, plain.rhs, atol=1e-8 * float(np.linalg.norm(b)))
     assert factor.rss == pytest.approx(float(((M @ a - b) ** 2).sum()), rel=1e-10)
 
 
