@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from ipcore import monomials, ridge
+from ipcore._typing import FloatArray
 from ipcore.choices import Constraints, Criterion, Factor, Ridge
 from ipcore.constraints import families
 from ipcore.criteria import Leverage
@@ -150,11 +151,18 @@ class TaubinFit(LeastSquaresFit):
         """
         self._append(alpha)
         points, normals = self._data.points, self._data.normals
-        Q = np.hstack([block[: len(points)] for block in self._factor.data_blocks()])
-        y = np.linalg.svd(np.linalg.qr(Q, mode="r"))[2][-1]
+        y = _smallest_right_singular_vector([block[: len(points)] for block in self._factor.data_blocks()])
         degree = monomials.degree_of(points.shape[1], alpha)
         polynomial = self._data.polynomial(degree, self._factor.solve(y), self._basis)
         f, gradient = polynomial.value_and_gradient(points)
-        size = np.sqrt((gradient**2).sum(axis=1).mean()) * (1.0 if (gradient * normals).sum() >= 0.0 else -1.0)
+        size = float(np.sqrt((gradient**2).sum(axis=1).mean())) or 1.0  # every column but the constant may be dropped
+        size *= 1.0 if (gradient * normals).sum() >= 0.0 else -1.0
         scaled = replace(polynomial, coefficients=polynomial.coefficients / size)
         return self._step(scaled, len(points), float(((f / size) ** 2).sum()))
+
+
+def _smallest_right_singular_vector(blocks: list[FloatArray]) -> FloatArray:
+    """Return y (k,) of length 1 with the least ‖[blocks] y‖; blocks (N, …) of k columns in all."""
+    if not blocks:
+        return np.zeros(0)
+    return np.asarray(np.linalg.svd(np.linalg.qr(np.hstack(blocks), mode="r"))[2][-1])

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -5,8 +7,11 @@ import ipcore
 from ipcore import Constraints, FitOptions, StopReason, monomials, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
-from ipcore.judges import LOOK_AHEAD
-from ipcore.search import stops
+from ipcore.judges import LOOK_AHEAD, judge
+from ipcore.linear import LinearStep, prefix_fit
+from ipcore.oriented import OrientedPoints
+from ipcore.points import check as check_points
+from ipcore.search import DegreeSearch, stops
 
 QUICK = FitOptions(measure_zero_set=False)
 
@@ -90,6 +95,46 @@ def test_ridge_and_monomials_can_be_had_in_the_chebyshev_basis() -> None:
     assert [p.basis for p in both] == ["monomial", "chebyshev"]
     x = points + 0.1 * normals
     np.testing.assert_allclose(both[0](x), both[1](x), atol=1e-12)
+
+
+def test_a_search_needs_somewhere_to_look() -> None:
+    options = FitOptions()
+    data = OrientedPoints.of(check_points(*shapes.circle().sample(20)), 12)
+    search = DegreeSearch(data, options, prefix_fit(data, options, 1), judge(options))
+    with pytest.raises(ValueError, match="at least one stop"):
+        search.run([], None)
+
+
+def test_a_way_to_fit_can_be_plugged_in() -> None:
+    points, normals = shapes.ellipse().sample(200)
+    data = OrientedPoints.of(check_points(points, normals), 12)
+
+    class Halved:
+        """Fits linearly, then makes something else of it, as a refinement does: the same zero set from f/2."""
+
+        def __init__(self) -> None:
+            self._linear = prefix_fit(data, FitOptions(), 4)
+
+        def raise_to(self, alpha: int) -> LinearStep:
+            step = self._linear.raise_to(alpha)
+            return replace(step, polynomial=replace(step.polynomial, coefficients=step.polynomial.coefficients / 2.0))
+
+        def orthogonality_loss(self, columns: int) -> float | None:
+            return self._linear.orthogonality_loss(columns)
+
+    found = DegreeSearch(data, FitOptions(), Halved(), judge(FitOptions())).run([3, 6, 10, 15], None)
+    assert (found.step.degree, found.reason) == (2, StopReason.CRITERION_MET)
+    whole = ipcore.fit(points, normals, QUICK).polynomial
+    np.testing.assert_allclose(2.0 * found.polynomial(data.points), whole(points), atol=1e-13)
+
+
+@pytest.mark.parametrize("family", [Constraints.THREE_LAYER, Constraints.TAUBIN])
+def test_when_every_column_counts_as_collinear_nothing_is_fitted(family: Constraints) -> None:
+    points, normals = shapes.circle().sample(30)
+    options = FitOptions.of(constraints=family, collinear_tol=1.0, max_degree=3, measure_zero_set=False)
+    result = ipcore.fit(points, normals, options)
+    assert result.stop_reason is StopReason.MAX_DEGREE
+    assert result.steps[-1].dropped >= 9
 
 
 def test_stops_are_complete_forms_or_columns() -> None:
