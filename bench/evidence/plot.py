@@ -3,12 +3,15 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 import ipcore
 from sets import PointSet
+
+rcParams.update({"axes.titlesize": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.linewidth": 0.5})
 
 DATA, FIT, STRAY = "0.55", "#1f5fa8", "#e4572e"
 SKY = np.array([0.3, 0.5, 0.8])  # where the light comes from, in view coordinates
@@ -18,9 +21,6 @@ def new(height: int, width: int, size: float) -> tuple[Figure, list[Axes]]:
     """Return a figure of height × width panels, `size` inches each, and its axes row by row."""
     picture = Figure(figsize=(width * size, height * size), layout="constrained")
     axes: Sequence[Axes] = np.atleast_1d(picture.subplots(height, width)).ravel().tolist()
-    for axis in axes:
-        axis.tick_params(labelsize=6)
-        axis.title.set_fontsize(7)
     return picture, list(axes)
 
 
