@@ -1,6 +1,6 @@
 """Implicit polynomials f(x) = 0 from 2D and 3D point sets, of the degree that they need."""
 
-from ipcore.adaptive import fit
+from ipcore.adaptive import fit, fit_fixed
 from ipcore.basis import Basis
 from ipcore.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.errors import (
@@ -47,5 +47,6 @@ __all__ = [
     "check_points",
     "estimate_normals",
     "fit",
+    "fit_fixed",
     "zero_set",
 ]

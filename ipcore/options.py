@@ -49,7 +49,7 @@ class FitOptions:
         c, the distance of the outer layers of the 3L and 5L constraints from the data, in mean radii; 0 < c ≤ 0.3.
     gradient_weight
         μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. The default is
-        2c² for c = 0.05: near a straight line two layers at ±c weigh ∂f/∂n so.
+        2c² for c = 0.05: near a straight line two layers at ±c weigh ∂f/∂n so. On clean data less is closer.
     criterion
         What ends the search; see `Criterion`.
     t1

@@ -27,8 +27,8 @@ class StopReason(StrEnum):
 
 _ADVICE = {
     StopReason.CRITERION_MET: "The fit is as close and as smooth as was asked for.",
-    StopReason.MAX_DEGREE: "No degree up to max_degree was close and smooth enough, and the best one is returned: "
-    "raise max_degree, or on noisy data raise t1 to about the noise.",
+    StopReason.MAX_DEGREE: "No degree up to max_degree met the criterion, and the best one is returned: raise "
+    "max_degree, or on noisy data raise t1 to about the noise or take another criterion, gcv say.",
     StopReason.TOO_FEW_POINTS: "The next degree has more coefficients than there are points, and the best fit so far "
     "is returned: give more points, or raise t1.",
     StopReason.PLANAR: "All points lie on one plane: degree 1 represents it, and no higher degree is determined.",
