@@ -1,7 +1,7 @@
 """The two families of univariate functions whose products span the polynomials: powers, and Chebyshev polynomials.
 
-Fits are computed in Chebyshev products on the fit's bounds, which are far better conditioned than monomials; answers
-are given in monomials of the frame, which anybody can evaluate. Both are graded, so both span the same spaces.
+Fits are computed in Chebyshev products on the fit's bounds, which stay within ±1 there whatever the degree; answers are
+given in monomials of the frame, which anybody can evaluate. Both are graded, so both span the same spaces.
 """
 
 from enum import StrEnum

@@ -102,9 +102,19 @@ def _minimum_on_sphere(powers: IntArray, coefficients: FloatArray) -> float:
     """Return the least value on the unit sphere: the lowest of many directions, followed downhill."""
     directions = _directions(powers)
     lowest = directions[np.argsort(_values(powers, coefficients, directions), kind="stable")[:STARTS]]
-    scale = np.abs(coefficients).max()
+    scale = float(np.abs(coefficients).max())
 
-    def value(x: FloatArray) -> float:
-        return float(_values(powers, coefficients / scale, (x / np.linalg.norm(x))[None])[0])
+    def value(x: FloatArray) -> tuple[float, FloatArray]:
+        return _on_sphere(powers, coefficients / scale, x)
 
-    return float(scale * min(float(minimize(value, start, method="BFGS").fun) for start in lowest))
+    return scale * min(float(minimize(value, x, jac=True, method="BFGS", tol=1e-14).fun) for x in lowest)
+
+
+def _on_sphere(powers: IntArray, coefficients: FloatArray, x: FloatArray) -> tuple[float, FloatArray]:
+    """Return L(x/‖x‖) and its gradient (d,) with respect to x, which is tangential: (∇L(u) − n L(u) u)/‖x‖."""
+    length = float(np.linalg.norm(x))
+    u = x / length
+    value = float(coefficients @ (u**powers).prod(axis=1))
+    lowered = np.maximum(powers[None] - np.eye(len(x), dtype=np.intp)[:, None], 0)
+    gradient = ((u**lowered).prod(axis=2) * powers.T) @ coefficients
+    return value, (gradient - powers[0].sum() * value * u) / length

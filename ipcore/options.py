@@ -145,7 +145,7 @@ class FitOptions:
             raise InvalidOptionsError("ridge needs a right-hand side, and taubin has none", ("ridge",))
         if self.constraints is Constraints.TAUBIN and self.criterion not in {Criterion.DISTANCE, Criterion.NONE}:
             raise InvalidOptionsError(
-                f"{self.criterion} needs a least-squares fit, and taubin is an eigenvector", ("criterion",)
+                f"criterion {self.criterion} needs a least-squares fit, and taubin is an eigenvector", ("criterion",)
             )
         if self.collinear is not None and (self.collinear is Collinear.RIDGE) != (self.ridge is Ridge.SELECTIVE):
             raise InvalidOptionsError(

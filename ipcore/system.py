@@ -15,7 +15,7 @@ from ipcore.options import FitOptions
 def working_basis(options: FitOptions) -> Basis:
     """Return the basis in which a fit is computed.
 
-    Chebyshev products, because they are far better conditioned; but the paper's eq. (5) speaks of the columns of
+    Chebyshev products, which stay within ±1 all over the box; but the paper's eq. (5) speaks of the columns of
     monomials, and D of their coefficients (see `ridge`). Both bases are graded, so the first α columns span the same
     space in either.
     """
