@@ -40,32 +40,34 @@ higher degree.""",
 }
 
 AFTER = {
-    "growth": """*Agrees:* with a stable factorisation D_dist goes to 0 and D_smooth to 1, with small fluctuations, and the search
-may stop in the middle of a form. *Does not:* the paper calls the effect of rounding in eq. (5) small. It is not:
-beyond some forty columns Q is no longer orthogonal, D_smooth falls again, and shapes that need a high degree never
-meet (7). Nor can a single column be a matter of the shape alone, as another rotation of the data gives another α.""",
-    "adaptive": """*Agrees:* simple shapes stop at low degrees, complicated ones at high ones, and most do stop by (7). *Does not:*
-where the degree is above 4 the zero set has large parts away from all data, on every shape. "Neither over-fitting
-nor insufficient fitting" holds at the data only, and (7) does not look elsewhere. Thin parts and sharp corners (the
-apple's stalk, the duck, the blade) never meet it.""",
-    "families": """*Agrees:* a fixed degree is insufficient for most shapes and too high for a few. The adaptive degree suits each.
-*Beyond the paper:* families with gradient rows meet (7) a little more often than 3L, and at about the same degree;
-Gradient-One does with the fewest rows. Min-Max and Min-Var ask for gradients of a length that varies along the
-shape, which costs closeness; they were made for calm at fixed degrees, and are calmer. Taubin's fit is exact for
-algebraic shapes without noise, and is lost on others beyond degree 4 or so: nothing holds the sign of f beside the
-data. No family is free of stray zero sets.""",
-    "instability": """*Agrees:* ridge regression removes stray zero sets at a high degree, and accuracy suffers. *Does not:* it suffers so
-much that no κ here is both close (D_dist < 0.01) and free of stray parts; what is left of a thin shape falls to
-pieces before the strays are gone. The selective ridge keeps the accuracy, and most of the strays. max/min rᵢᵢ, by
-which the paper judges the condition, can be orders of magnitude below the estimated condition.""",
-    "cost": """*Agrees:* the increment is far cheaper than solving anew for every column. *Beyond the paper:* solving anew at
-complete degrees only, which is all that a rotation-invariant search needs, is already nearly as cheap, because a
-blocked solver uses the processor better. Column by column in one pass costs half of form by form in two, and loses
-orthogonality.""",
-    "noise": """**So:** points as clean as scans of solid objects mostly are: `distance`, which takes the lowest degree that is
-close enough, and on clean points all others go on to high degrees for little. Noise that is known and above 0.01:
-`distance` with t1 = σ, the lowest degree for its error. Noise that is not known: `gcv`, which comes within a sixth
-of the best degree from σ = 0.01 on, at no extra cost, but does not save degrees. `bic` and `loo` ask for fewer
-degrees, and pay for it in 3D; `loo` also takes time. `none` is for those who know the degree. Whatever the
-criterion, the best fit so far is returned at the cap, with the reason.""",
+    "growth": """*Agrees:* with a stable factorisation D_dist goes to 0 and D_smooth to 1, with small fluctuations,
+and the search may stop in the middle of a form. *Does not:* the paper calls the effect of rounding in eq. (5)
+small. It is not: beyond some forty columns Q is no longer orthogonal, D_smooth falls again, and shapes that need a
+high degree never meet (7). Nor can a single column be a matter of the shape alone, as another rotation of the data
+gives another α.""",
+    "adaptive": """*Agrees:* simple shapes stop at low degrees, complicated ones at high ones, and most do stop by (7).
+*Does not:* where the degree is above 4 the zero set has large parts away from all data, on every shape. "Neither
+over-fitting nor insufficient fitting" holds at the data only, and (7) does not look elsewhere. Thin parts and sharp
+corners (the apple's stalk, the duck, the blade) never meet it.""",
+    "families": """*Agrees:* a fixed degree is insufficient for most shapes and too high for a few. The adaptive degree
+suits each. *Beyond the paper:* families with gradient rows meet (7) a little more often than 3L, and at about the
+same degree; Gradient-One does with the fewest rows. Min-Max and Min-Var ask for gradients of a length that varies
+along the shape, which costs closeness; they were made for calm at fixed degrees, and are calmer. Taubin's fit is
+exact for algebraic shapes without noise, and is lost on others beyond degree 4 or so: nothing holds the sign of f
+beside the data. No family is free of stray zero sets.""",
+    "instability": """*Agrees:* ridge regression removes stray zero sets at a high degree, and accuracy suffers. *Does
+not:* it suffers so much that no κ here is both close (D_dist < 0.01) and free of stray parts; what is left of a
+thin shape falls to pieces before the strays are gone. The selective ridge keeps the accuracy, and most of the
+strays. max/min rᵢᵢ, by which the paper judges the condition, can be orders of magnitude below the estimated
+condition.""",
+    "cost": """*Agrees:* the increment is far cheaper than solving anew for every column. *Beyond the paper:*
+solving anew at complete degrees only, which is all that a rotation-invariant search needs, is already nearly as
+cheap, because a blocked solver uses the processor better. Column by column in one pass costs half of form by form
+in two, and loses orthogonality.""",
+    "noise": """**So:** points as clean as scans of solid objects mostly are: `distance`, which takes the lowest
+degree that is close enough, and on clean points all others go on to high degrees for little. Noise that is known
+and above 0.01: `distance` with t1 = σ, the lowest degree for its error. Noise that is not known: `gcv`, which comes
+within a sixth of the best degree from σ = 0.01 on, at no extra cost, but does not save degrees. `bic` and `loo` ask
+for fewer degrees, and pay for it in 3D; `loo` also takes time. `none` is for those who know the degree. Whatever
+the criterion, the best fit so far is returned at the cap, with the reason.""",
 }
