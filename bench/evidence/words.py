@@ -66,8 +66,8 @@ cheap, because a blocked solver uses the processor better. Column by column in o
 in two, and loses orthogonality.""",
     "noise": """**So:** points as clean as scans of solid objects mostly are: `distance`, which takes the lowest
 degree that is close enough, and on clean points all others go on to high degrees for little. Noise that is known
-and above 0.01: `distance` with t1 = σ, the lowest degree for its error. Noise that is not known: `gcv`, which comes
-within a sixth of the best degree from σ = 0.01 on, at no extra cost, but does not save degrees. `bic` and `loo` ask
-for fewer degrees, and pay for it in 3D; `loo` also takes time. `none` is for those who know the degree. Whatever
-the criterion, the best fit so far is returned at the cap, with the reason.""",
+and above 0.01: `distance` with t1 = σ, which saves some degrees for up to half again the least error. Noise that is
+not known: `gcv`, which comes within a sixth of the best degree from σ = 0.01 on, at no extra cost, but does not
+save degrees. `bic` and `loo` ask for fewer degrees, and pay for it in 3D; `loo` also takes time. `none` is for
+those who know the degree. Whatever the criterion, the best fit so far is returned at the cap, with the reason.""",
 }
