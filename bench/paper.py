@@ -1,7 +1,7 @@
 """Make bench/PAPER.md, the paper's evidence on real data: `IPFIT_BENCH_DATA=folder python bench/paper.py [SECTION …]`.
 
-Everything in it is made by this run, the words that judge it excepted. With the names of sections only those are made, and
-printed; the page is written when all are.
+Everything in it is made by this run, the words that judge it excepted. With the names of sections only those are made,
+and printed; the page is written when all are.
 """
 
 import os
@@ -82,7 +82,9 @@ def main(asked: list[str]) -> None:
     if asked:
         print("\n\n".join(made.values()))
         return
-    engine = f"Made by ipfit {version('ipfit')}, Python {platform.python_version()}, numpy {version('numpy')}, one thread."
+    engine = (
+        f"Made by ipfit {version('ipfit')}, Python {platform.python_version()}, numpy {version('numpy')}, one thread."
+    )
     (HERE / "PAPER.md").write_text("\n\n".join([words.TITLE, engine, *made.values()]) + "\n", encoding="utf-8")
 
 

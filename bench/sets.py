@@ -1,7 +1,7 @@
 """The point sets that the benchmarks run on: a folder with `index.json`, `2d/NAME.npz` and `3d/NAME.npz`.
 
-Its path stands in IPFIT_BENCH_DATA. Each file holds `points` (N, d) and, mostly, unit outward `normals` (N, d); the index
-names each set with its dimension `dim` and whether it is `closed`. The sets themselves do not come with this project.
+Its path stands in IPFIT_BENCH_DATA. Each file holds `points` (N, d) and, mostly, unit outward `normals` (N, d); the
+index names each set with its dimension `dim` and whether it is `closed`. The sets do not come with this project.
 """
 
 import json
@@ -28,7 +28,7 @@ class PointSet:
     @property
     def dimension(self) -> int:
         """Return d."""
-        return self.points.shape[1]
+        return int(self.points.shape[1])
 
     @property
     def scale(self) -> float:

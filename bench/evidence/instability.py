@@ -17,8 +17,14 @@ STRENGTHS = (1e-8, 1e-6, 1e-4, 1e-3, 1e-2)
 VARIANTS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("none", {}),
     *((f"full, κ = {k:.0e}", {"ridge": "full", "ridge_strength": k}) for k in STRENGTHS),
-    *((f"full, D = I, κ = {k:.0e}", {"ridge": "full", "ridge_matrix": "identity", "ridge_strength": k}) for k in (1e-6, 1e-3)),
-    *((f"selective, κ = {k:.0e}", {"ridge": "selective", "ridge_strength": k, "collinear_tol": 1e-3}) for k in (1e-4, 1e-2)),
+    *(
+        (f"full, D = I, κ = {k:.0e}", {"ridge": "full", "ridge_matrix": "identity", "ridge_strength": k})
+        for k in (1e-6, 1e-3)
+    ),
+    *(
+        (f"selective, κ = {k:.0e}", {"ridge": "selective", "ridge_strength": k, "collinear_tol": 1e-3})
+        for k in (1e-4, 1e-2)
+    ),
 )
 CALM: dict[str, Any] = {"ridge": "full", "ridge_strength": 1e-3}
 
@@ -30,7 +36,9 @@ def rows() -> str:
     for name in (OUTLINE, SURFACE):
         given = load(name)
         degree = DEGREES[given.dimension][-1]
-        lines += [[name, str(degree), variant, *_measures(_at(given, degree, options))] for variant, options in VARIANTS]
+        lines += [
+            [name, str(degree), variant, *_measures(_at(given, degree, options))] for variant, options in VARIANTS
+        ]
     return table(heads, lines)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from statistics import mean
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -13,8 +14,16 @@ from evidence.table import table
 from sets import PointSet
 
 SIGMAS = (0.0, 0.01, 0.02, 0.04)
-CRITERIA = ("distance", "gcv", "bic", "loo", "none")
-COLOURS = dict(zip((*CRITERIA, "best"), ("#1f5fa8", "#e4572e", "#3a9d5d", "#8e5ea2", "0.6", "k"), strict=True))
+RAISED = "distance, t1 = σ"
+CRITERIA = ("distance", RAISED, "gcv", "bic", "loo", "none")
+COLOURS = dict(
+    zip((*CRITERIA, "best"), ("#1f5fa8", "#7fb2e5", "#e4572e", "#3a9d5d", "#8e5ea2", "0.6", "k"), strict=True)
+)
+
+
+def options(criterion: str, sigma: float) -> dict[str, Any]:
+    """Return the options that a row of the table stands for."""
+    return {"t1": max(sigma, 0.01)} if criterion == RAISED else {"criterion": criterion}
 
 
 class Noise:
@@ -24,7 +33,7 @@ class Noise:
         """Fit them all; normals are the sets' own, as a scanner would give them."""
         self._sets = [given.sample(points) for given in everything()]
         self.fits = {
-            (sigma, criterion): [fitted(given.noisy(sigma), criterion=criterion) for given in self._sets]
+            (sigma, criterion): [fitted(given.noisy(sigma), **options(criterion, sigma)) for given in self._sets]
             for sigma in SIGMAS
             for criterion in CRITERIA
         }
@@ -79,6 +88,6 @@ class Noise:
     def _best(given: PointSet, sigma: float) -> float:
         """Return the least true error of any degree: what no criterion can beat."""
         noisy = given.noisy(sigma)
-        options = {"measure_zero_set": False, "criterion": "none"}
+        plain = {"measure_zero_set": False, "criterion": "none"}
         degrees = range(1, CAP[given.dimension] + 1)
-        return min(closeness(fitted(noisy, max_degree=n, **options).polynomial, given)[0] for n in degrees)
+        return min(closeness(fitted(noisy, max_degree=n, **plain).polynomial, given)[0] for n in degrees)

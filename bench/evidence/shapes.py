@@ -33,6 +33,8 @@ def fitted(given: PointSet, **options: Any) -> ipcore.FitResult:  # noqa: ANN401
 
 def closeness(polynomial: ipcore.ImplicitPolynomial, at: PointSet) -> tuple[float, float]:
     """Return D_dist, in mean radii of `at`, and D_smooth of a polynomial at the points of a set with normals."""
+    if at.normals is None:
+        raise ValueError(f"{at.name} has no normals")
     distances = abs(polynomial.distance(at.points)).mean() / at.scale
     gradient = polynomial.gradient(at.points)
     size = (gradient**2).sum(axis=1) ** 0.5
