@@ -15,6 +15,7 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
+from service.api.options import table as fit_options
 from service.bootstrap import application, drain, hurry
 from service.settings import Settings, table
 
@@ -64,6 +65,11 @@ def openapi() -> None:
 def settings() -> None:
     """Print every setting as a Markdown table: environment variable, default, meaning."""
     typer.echo(table())
+
+
+def options() -> None:
+    """Print every option of a fit as a Markdown table: name, values, default, meaning."""
+    typer.echo(fit_options())
 
 
 def healthcheck() -> None:

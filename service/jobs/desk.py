@@ -39,6 +39,16 @@ class Reader(Protocol):
 
         """
 
+    def check(self, dimension: int, options: dict[str, Any]) -> None:
+        """Refuse options that cannot be meant, alone or together.
+
+        Raises
+        ------
+        InvalidInputError
+            If there are any; `at` names one.
+
+        """
+
 
 class Draughtsman(Protocol):
     """Draws zero sets."""
@@ -75,12 +85,15 @@ class FitDesk:
 
         Raises
         ------
+        InvalidInputError
+            If the options cannot be meant.
         NotReadyError, ShuttingDownError, QueueFullError
             If it cannot be stored, the server is about to stop, or too many fits wait.
         KeyReusedError
             If the key came with another point set or other options.
 
         """
+        self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
         new = _new_fit(points, options, client, key)
         fit = await _asked(self._store.add, new, lambda: self._blobs.put(points.content))
