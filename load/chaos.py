@@ -64,7 +64,8 @@ def _run(fleet: Fleet, log: Log, told: argparse.Namespace) -> bool:
     chance = random.Random(told.seed)  # noqa: S311 - no secret
     while len(log.promises) < told.fits or fleet.kills.total() < told.kills:
         time.sleep(chance.expovariate(1.0 / told.pause))
-        fleet.strike(chance)
+        if fleet.kills.total() * told.fits <= told.kills * len(log.promises):  # from the first fit to the last
+            fleet.strike(chance)
     enough.set()
     for caller in callers:
         caller.join()

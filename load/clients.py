@@ -14,10 +14,10 @@ from tests.service.bodies import ellipse, npy, sphere, torus
 
 # What is sent: content, query, and how often. The first two take some hundredths of a second, the last two or three.
 FITS = (
-    (npy(ellipse()), "", 45),
-    (npy(sphere()), "", 25),
-    (npy(torus(3000)), "t1=0&max_degree=8", 20),
-    (npy(torus(20_000)), "t1=0&max_degree=8", 10),
+    (npy(ellipse()), "", 55),
+    (npy(sphere()), "", 30),
+    (npy(torus(3000)), "t1=0&max_degree=8", 11),
+    (npy(torus(20_000)), "t1=0&max_degree=8", 4),
 )
 FINAL = ("successful", "failed", "dismissed")
 # Share of fits that are dismissed again.
