@@ -23,7 +23,8 @@ async def drain(app: FastAPI, seconds: float) -> None:
 
 def hurry(app: FastAPI) -> None:
     """End a drain at once; may be called from a signal handler."""
-    asyncio.get_running_loop().call_soon_threadsafe(_desk(app).hurry)
+    if hasattr(app.state, "context"):  # else it is still starting, and runs nothing
+        asyncio.get_running_loop().call_soon_threadsafe(_desk(app).hurry)
 
 
 def _desk(app: FastAPI) -> FitDesk:

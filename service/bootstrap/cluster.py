@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from psycopg.conninfo import make_conninfo
 from sqlalchemy import Engine
 from sqlalchemy.exc import OperationalError
 
@@ -19,7 +20,7 @@ from service.queue.replica import ReplicaQueue
 from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
-from service.store.tables import postgres_engine
+from service.store.tables import PATIENCE, postgres_engine
 
 logger = logging.getLogger(__name__)
 
@@ -30,10 +31,9 @@ PAUSE = 1.0
 @asynccontextmanager
 async def context(settings: Settings) -> AsyncIterator[Context]:
     """Yield the parts of a replica of the API, and close them again."""
-    url = str(settings.database_url)
-    async with _engine(url) as engine:
+    async with _engine(str(settings.database_url)) as engine:
         store, blobs = _stores(settings, engine)
-        queue = ReplicaQueue(store, url)
+        queue = ReplicaQueue(store, _patient(settings))
         listening = asyncio.create_task(queue.listen())
         try:
             with TemporaryDirectory(prefix="ipfit-") as incoming:
@@ -58,7 +58,7 @@ async def work(settings: Settings) -> None:
             store,
             parts.runner(settings, store, blobs, fitters, publish=True),
             tidy,
-            url=str(settings.database_url),
+            url=_patient(settings),
             seats=settings.workers,
             short_seats=settings.short_workers,
             lease=settings.lease,
@@ -66,6 +66,11 @@ async def work(settings: Settings) -> None:
         for one in (signal.SIGTERM, signal.SIGINT):
             asyncio.get_running_loop().add_signal_handler(one, crew.stop)
         await crew.work(settings.shutdown_grace)
+
+
+def _patient(settings: Settings) -> str:
+    """Return how to reach the database, with the same patience everywhere."""
+    return make_conninfo(str(settings.database_url), **PATIENCE)
 
 
 def _stores(settings: Settings, engine: Engine) -> tuple[SqlFits, Blobs]:

@@ -22,6 +22,8 @@ from service.settings import Settings, table
 # Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for
 # uploads and drawings.
 GRACE = 5
+# … and after a second signal.
+HURRIED_GRACE = 1
 
 
 class _Server(uvicorn.Server):
@@ -34,6 +36,7 @@ class _Server(uvicorn.Server):
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         if self.should_exit:
             hurry(self._app)
+            self.config.timeout_graceful_shutdown = HURRIED_GRACE
             self.force_exit = self._drained  # uvicorn's own word for waiting no longer; what ran was given back
         super().handle_exit(sig, frame)
 

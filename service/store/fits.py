@@ -1,38 +1,22 @@
 """Fits in a SQL database, through SQLAlchemy Core."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 from threading import Lock
-from typing import Any, Protocol
+from typing import Any
 
 import orjson
-from sqlalchemy import ColumnElement, Connection, Engine, func, select, text, update
+from sqlalchemy import Connection, Engine, func, select, text, update
 from sqlalchemy.exc import IntegrityError
 
 from service.jobs.errors import KeyReusedError, QueueFullError
-from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, Holder, sources
-from service.store import rows
-from service.store.tables import Moment, fits
+from service.jobs.fit import Failure, Fit, FitStatus, Holder
+from service.store import moves, rows
+from service.store.moves import FREE, Line
+from service.store.tables import fits
 
 ENDED = [status for status in FitStatus if status.final]
-_FREE: dict[str, Any] = {"holder": None, "lease": None}
-
-
-class Line(Protocol):
-    """A queue in the same database, which fits join and leave in the transaction that stores the change."""
-
-    def join(self, connection: Connection, fit_id: str, cost: float) -> int:
-        """Put a fit in line and return its job there."""
-
-    def leave(self, connection: Connection, job: int) -> None:
-        """Take a job out of the line, or have its worker killed."""
-
-    def tell(self, connection: Connection, fit_id: str) -> None:
-        """Tell everybody that a fit has ended."""
-
-    def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
-        """Return those of the jobs that nobody has taken yet."""
 
 
 class SqlFits:
@@ -74,8 +58,8 @@ class SqlFits:
     def start(self, fit_id: str, holder: Holder) -> int | None:
         """Move to running, on a lease, and return the attempt, from 1; None if the fit does not wait."""
         with self._engine.begin() as connection:
-            now = self._clock(connection)
-            self._take_back(connection, fits.c.id == fit_id, fits.c.lease < now)
+            now = moves.clock(connection)
+            moves.take_back(connection, self._line, fits.c.id == fit_id, fits.c.lease < now)
             values = {
                 "started": now,
                 "holder": holder.name,
@@ -83,14 +67,14 @@ class SqlFits:
                 "progress": None,
                 "attempt": fits.c.attempt + 1,
             }
-            if not self._move(connection, fit_id, FitStatus.RUNNING, values):
+            if not moves.move(connection, self._line, fit_id, FitStatus.RUNNING, values):
                 return None
             return int(connection.execute(select(fits.c.attempt).where(fits.c.id == fit_id)).scalar_one())
 
     def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
         """Prolong the lease, if this attempt still holds the fit."""
         with self._engine.begin() as connection:
-            until = self._clock(connection) + timedelta(seconds=lease)
+            until = moves.clock(connection) + timedelta(seconds=lease)
             return rows.written(connection, rows.held(fit_id, attempt), lease=until)
 
     def report(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> bool:
@@ -107,9 +91,9 @@ class SqlFits:
 
     def release(self, fit_id: str, attempt: int, *, crashed: bool = False) -> bool:
         """Move from running back to accepted, if this attempt still holds the fit; count a crash if it was one."""
-        values = {"started": None, "progress": None, "crashes": fits.c.crashes + int(crashed), **_FREE}
+        values = {"started": None, "progress": None, "crashes": fits.c.crashes + int(crashed), **FREE}
         with self._engine.begin() as connection:
-            return self._move(connection, fit_id, FitStatus.ACCEPTED, values, attempt)
+            return moves.move(connection, self._line, fit_id, FitStatus.ACCEPTED, values, attempt)
 
     def finish(
         self, fit_id: str, attempt: int, status: FitStatus, result: bytes | None, failure: Failure | None
@@ -118,14 +102,14 @@ class SqlFits:
         reason = None if failure is None else orjson.dumps(failure)
         size = fits.c.size + len(result or b"")
         with self._engine.begin() as connection:
-            values = {"result": result, "failure": reason, "size": size, "finished": self._clock(connection)}
-            return self._move(connection, fit_id, status, values | _FREE, attempt)
+            values = {"result": result, "failure": reason, "size": size, "finished": moves.clock(connection)}
+            return moves.move(connection, self._line, fit_id, status, values | FREE, attempt)
 
     def dismiss(self, fit_id: str) -> bool:
         """Move to dismissed, if the fit is live."""
         with self._engine.begin() as connection:
-            values = {"finished": self._clock(connection), **_FREE}
-            moved = self._move(connection, fit_id, FitStatus.DISMISSED, values)
+            values = {"finished": moves.clock(connection), **FREE}
+            moved = moves.move(connection, self._line, fit_id, FitStatus.DISMISSED, values)
             job = connection.execute(select(fits.c.job).where(fits.c.id == fit_id)).scalar()
             if moved and self._line is not None and job is not None:
                 self._line.leave(connection, job)
@@ -159,7 +143,7 @@ class SqlFits:
     def recover(self) -> int:
         """Move every running fit back to accepted; the server that ran them is gone."""
         with self._engine.begin() as connection:
-            return self._take_back(connection)
+            return moves.take_back(connection, self._line)
 
     def rejoin(self, seconds: float) -> int:
         """Put live fits in line again that nobody has held for so long and that have no job there; return how many.
@@ -170,7 +154,7 @@ class SqlFits:
         if line is None:
             return 0
         with self._engine.begin() as connection:
-            now = self._clock(connection)
+            now = moves.clock(connection)
             live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
             idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
             query = select(fits.c.id, fits.c.cost, fits.c.job).where(live, idle).with_for_update(skip_locked=True)
@@ -205,39 +189,6 @@ class SqlFits:
         if count >= self._limit:
             raise QueueFullError(f"{count} fits wait already, as many as may", retry_after=cost / count)
 
-    def _take_back(self, connection: Connection, *where: ColumnElement[bool]) -> int:
-        """Move running fits of dead holders back to accepted, or to failed if they had too many; return how many."""
-        running = (fits.c.status == FitStatus.RUNNING, *where)
-        why = Failure("worker-crashed", f"The process that supervised the fit died {MAX_ABANDONED} times.")
-        ill = [
-            one.id
-            for one in connection.execute(select(fits.c.id, fits.c.abandoned).where(*running))
-            if one.abandoned + 1 >= MAX_ABANDONED
-        ]
-        for fit_id in ill:
-            values = {"finished": self._clock(connection), "failure": orjson.dumps(why), **_FREE}
-            self._move(connection, fit_id, FitStatus.FAILED, values)
-        back = {"started": None, "progress": None, "abandoned": fits.c.abandoned + 1, **_FREE}
-        moved = update(fits).where(*running).values(status=FitStatus.ACCEPTED, touched=self._clock(connection), **back)
-        return len(ill) + connection.execute(moved).rowcount
-
-    def _move(
-        self,
-        connection: Connection,
-        fit_id: str,
-        target: FitStatus,
-        values: dict[str, Any],
-        attempt: int | None = None,
-    ) -> bool:
-        """Make a legal move, fenced by the attempt if one is given; return whether it was made."""
-        where = [fits.c.id == fit_id, fits.c.status.in_(sources(target))]
-        if attempt is not None:
-            where.append(fits.c.attempt == attempt)
-        moved = rows.written(connection, where, status=target, touched=self._clock(connection), **values)
-        if moved and target.final and self._line is not None:
-            self._line.tell(connection, fit_id)
-        return moved
-
     @contextmanager
     def _holding(self, key: str, *, alone: bool = False) -> Iterator[Connection]:
         """Yield a transaction in which an input is not removed; or, `alone`, in which no fit with it is added."""
@@ -249,10 +200,3 @@ class SqlFits:
         with self._engine.begin() as connection:
             connection.execute(text(f"SELECT {lock}(:key)"), {"key": int(key[:15], 16)})
             yield connection
-
-    def _clock(self, connection: Connection) -> datetime:
-        """Return the time: the database's own if several machines use it, whose clocks may differ."""
-        if connection.dialect.name == "sqlite":
-            return datetime.now(UTC)
-        now: datetime = connection.execute(select(func.clock_timestamp(type_=Moment))).scalar_one()
-        return now

@@ -26,7 +26,12 @@ from service.jobs.fit import FitStatus
 
 # A PostgreSQL that does not answer must not hold a request for minutes: seconds to connect, milliseconds for a
 # statement, and milliseconds until unanswered packets end a connection.
-PATIENCE = {"connect_timeout": 5, "tcp_user_timeout": 10_000, "keepalives_idle": 5, "keepalives_interval": 2}
+PATIENCE: dict[str, int] = {
+    "connect_timeout": 5,
+    "tcp_user_timeout": 10_000,
+    "keepalives_idle": 5,
+    "keepalives_interval": 2,
+}
 OPTIONS = "-c statement_timeout=30000 -c idle_in_transaction_session_timeout=30000 -c synchronous_commit=on"
 # Any number, the same in every process: whoever holds this lock prepares the database.
 _PREPARING = 4_711_001

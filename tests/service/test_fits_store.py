@@ -226,6 +226,15 @@ def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
     assert store.finish("one", 2, FitStatus.SUCCESSFUL, b"fresh", None)
 
 
+def test_of_many_who_take_a_fit_over_one_does(store: SqlFits) -> None:
+    add(store, fit())
+    store.start("one", Holder("dead", 0.0))
+    time.sleep(0.01)
+    with ThreadPoolExecutor(8) as threads:
+        started = list(threads.map(lambda _: store.start("one", OTHER), range(32)))
+    assert [attempt for attempt in started if attempt is not None] == [2]
+
+
 def test_a_renewed_lease_holds(store: SqlFits) -> None:
     add(store, fit())
     store.start("one", Holder("me", 0.05))
