@@ -131,7 +131,10 @@ class Caller:
 def _explained(method: str, answer: httpx.Response, problem: str) -> bool:
     """Return whether this is an answer that the contract allows while processes die."""
     if answer.status_code == httpx.codes.SERVICE_UNAVAILABLE:
-        return problem in {"not-ready", "queue-full", "shutting-down"} and "retry-after" in answer.headers
+        return (
+            problem in {"not-ready", "queue-full", "shutting-down", "worker-crashed"}
+            and "retry-after" in answer.headers
+        )
     if answer.status_code == httpx.codes.NOT_FOUND:
         return method in {"DELETE", "GET"}  # those it must not be said of are found as lost
     return answer.is_success

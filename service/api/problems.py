@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 # Seconds after which it is worth to ask again.
-RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10"}
+RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10", "worker-crashed": "1"}
 # What is told of a request with thousands of them.
 MOST_FAULTS = 10
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")

@@ -11,7 +11,7 @@ from service.api.limits import Limits
 from service.formats.drawing import DrawingRoom
 from service.formats.intake import Intake
 from service.jobs.desk import FitDesk
-from service.jobs.fit import Holder
+from service.jobs.fit import MAX_CRASHES, Holder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
 from service.queue.runner import Runner
@@ -21,9 +21,9 @@ from service.workers.pool import WorkerPool
 
 
 @asynccontextmanager
-async def pool(settings: Settings, size: int) -> AsyncIterator[WorkerPool]:
+async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
     """Yield a pool whose workers are warm."""
-    made = WorkerPool(size, settings.tasks_per_worker, settings.worker_memory)
+    made = WorkerPool(size, settings.tasks_per_worker, settings.worker_memory, tries)
     try:
         await made.warm_up()
         yield made
@@ -48,7 +48,7 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 @asynccontextmanager
 async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue) -> AsyncIterator[FitDesk]:
     """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
-    async with pool(settings, 1) as clerks:
+    async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
         reader = Intake(clerks, settings.max_points, settings.mesh_deadline)
         yield FitDesk(store, blobs, queue, reader, DrawingRoom(clerks, settings.mesh_deadline))
 

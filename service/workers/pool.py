@@ -40,13 +40,23 @@ class WorkerPool:
     seat is all that is lost, and it is replaced.
     """
 
-    def __init__(self, size: int, tasks_per_worker: int, memory: int) -> None:
-        """Prepare `size` workers, each replaced after `tasks_per_worker` tasks, that may take `memory` bytes each.
+    def __init__(self, size: int, tasks_per_worker: int, memory: int, tries: int = 1) -> None:
+        """Prepare workers, which start with the first task.
 
-        They start with the first task.
+        Parameters
+        ----------
+        size
+            How many.
+        tasks_per_worker
+            Tasks after which a worker is replaced.
+        memory
+            Bytes that each may take.
+        tries
+            How often a task may be started whose worker dies.
+
         """
         os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))
-        self._tasks_per_worker, self._memory = tasks_per_worker, memory
+        self._tasks_per_worker, self._memory, self._tries = tasks_per_worker, memory, tries
         self._inbox = progress.Inbox()
         self._seats = [self._new_seat() for _ in range(size)]
         # First in, first out: a seat whose worker was just killed has the longest time to get another.
@@ -86,6 +96,26 @@ class WorkerPool:
             If the time was up, the process died, or it needed more memory than it may take.
 
         """
+        for _ in range(self._tries - 1):
+            with suppress(WorkerCrashedError):
+                return await self._once(function, arguments, deadline, progress)
+        return await self._once(function, arguments, deadline, progress)
+
+    def close(self) -> None:
+        """Kill every worker and wait until they are gone."""
+        for seat in self._seats:
+            seat.stop()  # type: ignore[no-untyped-call] # pebble annotates all but this
+        with ThreadPoolExecutor(len(self._seats)) as threads:
+            list(threads.map(ProcessPool.join, self._seats))
+        self._inbox.close()
+
+    async def _once(
+        self,
+        function: Callable[..., T],
+        arguments: tuple[object, ...],
+        deadline: float | None,
+        progress: Callable[[Any], None] | None,
+    ) -> T:
         task = uuid4().hex
         seat: ProcessPool = await self._free.get()
         limit = asyncio.timeout(deadline)
@@ -110,14 +140,6 @@ class WorkerPool:
             raise
         self._leave(seat, task)
         return answer
-
-    def close(self) -> None:
-        """Kill every worker and wait until they are gone."""
-        for seat in self._seats:
-            seat.stop()  # type: ignore[no-untyped-call] # pebble annotates all but this
-        with ThreadPoolExecutor(len(self._seats)) as threads:  # a worker deep in a computation takes seconds to die
-            list(threads.map(ProcessPool.join, self._seats))
-        self._inbox.close()
 
     def _new_seat(self) -> ProcessPool:
         context = multiprocessing.get_context("forkserver")

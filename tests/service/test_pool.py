@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,13 @@ def sleep(seconds: float) -> int:
 
 def die() -> None:
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def die_once(mark: Path) -> int:
+    if not mark.exists():
+        mark.touch()
+        die()
+    return os.getpid()
 
 
 def factorise(size: int) -> int:
@@ -147,6 +155,17 @@ def test_a_dead_worker_is_replaced_and_no_other_task_notices() -> None:
         assert await workers.run(pid) > 0
 
     run(script, size=2)
+
+
+def test_a_task_may_be_tried_again_when_its_worker_dies(tmp_path: Path) -> None:
+    async def script() -> None:
+        workers = WorkerPool(1, 100, 2**30, tries=2)
+        assert await workers.run(die_once, tmp_path / "died") > 0
+        with pytest.raises(WorkerCrashedError):
+            await workers.run(die)
+        await asyncio.to_thread(workers.close)
+
+    asyncio.run(script())
 
 
 def test_an_idle_worker_may_die() -> None:
