@@ -22,6 +22,8 @@ FITS = (
 FINAL = ("successful", "failed", "dismissed")
 # Share of fits that are dismissed again.
 DISMISSED = 0.05
+# Why a server may say 503. `worker-crashed`: two processes were killed while they read the same body.
+PASSING = {"not-ready", "queue-full", "shutting-down", "worker-crashed"}
 # Seconds that a request may take: more than the longest wait that is asked for.
 PATIENCE = 40.0
 
@@ -131,10 +133,7 @@ class Caller:
 def _explained(method: str, answer: httpx.Response, problem: str) -> bool:
     """Return whether this is an answer that the contract allows while processes die."""
     if answer.status_code == httpx.codes.SERVICE_UNAVAILABLE:
-        return (
-            problem in {"not-ready", "queue-full", "shutting-down", "worker-crashed"}
-            and "retry-after" in answer.headers
-        )
+        return problem in PASSING and "retry-after" in answer.headers
     if answer.status_code == httpx.codes.NOT_FOUND:
         return method in {"DELETE", "GET"}  # those it must not be said of are found as lost
     return answer.is_success

@@ -40,6 +40,7 @@ class Program:
     def __init__(self, command: str, log: Path, settings: dict[str, object]) -> None:
         self._command, self._log = command, log
         self._settings = {f"IPFIT_{name}": str(value) for name, value in (SETTINGS | settings).items()}
+        self._settings["TMPDIR"] = str(log.parent)  # what the killed leave behind goes when the run is over
         self.process: subprocess.Popen[bytes] | None = None
         self.starts = 0
 

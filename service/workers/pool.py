@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeVar
 from uuid import uuid4
 
@@ -189,12 +190,23 @@ class WorkerPool:
 
 
 def _killed(worker: int) -> bool:
-    """Kill a process at once, in the middle of a LAPACK call or wherever it is; return whether it was still there."""
+    """Kill a process at once, in the middle of a LAPACK call or wherever it is; return whether it is still there."""
     try:
         os.kill(worker, signal.SIGKILL)
     except ProcessLookupError:
         return False
-    return True
+    return not _is_zombie(worker)
+
+
+def _is_zombie(worker: int) -> bool:
+    """Return whether a process is dead and only its number is left.
+
+    It may stay so for good: when its fork server was killed, too, and the process with the number 1, which inherits it,
+    takes no care, as in a container without an init.
+    """
+    with suppress(OSError):  # there is no /proc on macOS, whose first process takes care
+        return Path(f"/proc/{worker}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "Z"
+    return False
 
 
 def _scheduled(
