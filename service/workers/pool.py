@@ -162,7 +162,7 @@ class WorkerPool:
 
         async def evict() -> None:
             worker = self._inbox.worker(task)
-            while worker is not None and _killed(worker):  # noqa: ASYNC110 - the system tells only its parent
+            while worker is not None and killed(worker):  # noqa: ASYNC110 - the system tells only its parent
                 await asyncio.sleep(DEATH)
             self._leave(self._replace(seat), task)
 
@@ -189,7 +189,7 @@ class WorkerPool:
         return new
 
 
-def _killed(worker: int) -> bool:
+def killed(worker: int) -> bool:
     """Kill a process at once, in the middle of a LAPACK call or wherever it is; return whether it is still there."""
     try:
         os.kill(worker, signal.SIGKILL)

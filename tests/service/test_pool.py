@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 from service.jobs.errors import DeadlineExceededError, InvalidInputError, OutOfMemoryError, WorkerCrashedError
-from service.workers.pool import BLAS_THREADS, WorkerPool
+from service.workers.pool import BLAS_THREADS, WorkerPool, killed
 from service.workers.progress import report
 from tests.service.running import alive, until
 
@@ -166,6 +167,13 @@ def test_a_task_may_be_tried_again_when_its_worker_dies(tmp_path: Path) -> None:
         await asyncio.to_thread(workers.close)
 
     asyncio.run(script())
+
+
+def test_a_process_counts_as_killed_even_if_nobody_buries_it() -> None:
+    child = subprocess.Popen(["/bin/sleep", "60"])
+    until(lambda: not killed(child.pid))
+    assert child.wait() == -signal.SIGKILL  # until now it was a zombie
+    assert not killed(child.pid)
 
 
 def test_an_idle_worker_may_die() -> None:
