@@ -225,7 +225,8 @@ def test_a_cancelled_task_is_killed() -> None:
 def test_a_task_inside_lapack_is_dead_at_once_and_its_seat_free(how: str) -> None:
     async def script(workers: WorkerPool) -> None:
         seen: list[dict[str, int]] = []
-        deadline = 1.5 if how == "over its deadline" else None
+        await workers.warm_up()
+        deadline = 3.0 if how == "over its deadline" else None
         task = asyncio.create_task(workers.run(factorise, 3000, deadline=deadline, progress=seen.append))
         while not seen:  # noqa: ASYNC110 - a report comes when it comes
             await asyncio.sleep(0.01)
