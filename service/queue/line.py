@@ -28,12 +28,14 @@ class _Client:
 
 
 class Line:
-    """Fits that wait. Every client gets the same predicted time, as in start-time fair queueing (Goyal et al. 1996)."""
+    """Fits that wait. Every client gets the same predicted time, as in fair queueing (Demers, Keshav, Shenker 1989)."""
 
     def __init__(self) -> None:
         """Start with nobody in line."""
         self._clients: dict[str, _Client] = {}
-        self._now = 0.0  # what the client served last had used: one that comes anew starts here, not at 0
+        # What a client would have used that had waited all the time: one that comes anew starts here and not at 0.
+        # It grows with every fit that is taken, so that no stream of ever new clients keeps the others waiting for good.
+        self._now = 0.0
 
     def join(self, fit: Fit) -> None:
         """Put a fit at the end of its client's line."""
@@ -62,8 +64,8 @@ class Line:
         ready = [(client.used, found, client) for client in self._clients.values() if (found := client.first(most))]
         if not ready:
             return None
-        used, found, client = min(ready, key=lambda one: one[0])
-        self._now = max(self._now, used)
+        _, found, client = min(ready, key=lambda one: one[0])
+        self._now += client.fits[found] / sum(bool(one.fits) for one in self._clients.values())
         client.used += client.fits.pop(found)
         self._forget_idle()
         return found

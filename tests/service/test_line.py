@@ -70,6 +70,18 @@ def test_a_client_that_comes_late_is_not_paid_for_the_time_before() -> None:
     assert [name[0] for name in served(line)] in (list("lelelele"), list("elelelel"))
 
 
+def test_no_stream_of_new_clients_keeps_one_waiting_for_good() -> None:
+    line = Line()
+    patient = [fit("patient", 10.0) for _ in range(2)]
+    for one in patient:
+        line.join(one)
+    taken = []
+    for i in range(100):
+        line.join(fit(f"new {i}", 10.0))
+        taken.append(line.take())
+    assert patient[1].id in taken
+
+
 def test_the_short_lane_takes_short_fits_only() -> None:
     line = Line()
     sent = [fit("a", SHORT * 2), fit("a", SHORT), fit("b", SHORT / 2)]
