@@ -34,7 +34,7 @@ class Line:
         """Start with nobody in line."""
         self._clients: dict[str, _Client] = {}
         # What a client would have used that had waited all the time: one that comes anew starts here and not at 0.
-        # It grows with every fit that is taken, so that no stream of ever new clients keeps the others waiting for good.
+        # It grows with every fit that is taken, so that no stream of new clients keeps the others waiting for good.
         self._now = 0.0
 
     def join(self, fit: Fit) -> None:
