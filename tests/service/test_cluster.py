@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import psycopg
 import pytest
 
 from tests.service.bodies import HALF_A_MINUTE, LONG, SOME_SECONDS, ellipse, npy
@@ -38,6 +39,11 @@ class Cluster:
     def work(self, **settings: object) -> Worker:
         self.workers.append(Worker(self._place(), **self._settings | settings))
         return self.workers[-1]
+
+    def holders(self) -> set[str]:
+        """Return who runs fits at the moment."""
+        with psycopg.connect(str(self._settings["DATABASE_URL"])) as connection:
+            return {row[0] for row in connection.execute("SELECT holder FROM fits WHERE status = 'running'")}
 
     def end(self) -> None:
         for program in [*self.servers, *self.workers]:
@@ -81,12 +87,16 @@ def idempotent(server: Server, key: str) -> dict[str, Any]:
 def test_replicas_and_workers_answer_for_each_others_fits(cluster: Cluster) -> None:
     servers = [cluster.serve(), cluster.serve()]
     workers = [cluster.work(), cluster.work()]
-    fits = [servers[i % 2].fit(LONG, SOME_SECONDS, "respond-async") for i in range(2)]
-    for i, fit in enumerate(fits):
-        assert servers[1 - i].under_way(fit)["progress"][0]["degree"] == 1
-    assert [len(worker.busy()) for worker in workers] == [1, 1]
-    assert [servers[1 - i].look(fit, wait=60)["status"] for i, fit in enumerate(fits)] == ["successful"] * 2
-    assert servers[0].client.get(f"/v1/fits/{fits[1]['id']}/mesh").status_code == 200
+    long = [server.fit(LONG, HALF_A_MINUTE, "respond-async") for server in servers]
+    for server, fit in zip(reversed(servers), long, strict=True):
+        assert server.under_way(fit)["progress"][0]["degree"] == 1
+    assert len(cluster.holders()) == 2
+    for server, fit in zip(reversed(servers), long, strict=True):
+        assert server.client.delete(f"/v1/fits/{fit['id']}").json()["status"] == "dismissed"
+    fits = [server.fit(npy(ellipse()), prefer="respond-async") for server in servers]
+    for server, fit in zip(reversed(servers), fits, strict=True):
+        assert server.look(fit, wait=60)["status"] == "successful"
+        assert server.client.get(f"/v1/fits/{fit['id']}/mesh").status_code == 200
     assert idempotent(servers[0], "k")["id"] == idempotent(servers[1], "k")["id"]
     for worker in workers:
         worker.stop()
