@@ -18,7 +18,9 @@ LOOK = 1.0
 
 def enter(address: str, memory: int) -> None:
     """Begin the life of a worker: take at most `memory` bytes, report to `address`, end when the server is gone."""
-    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+    most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)  # the system may have set less
+    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     progress.connect(address)
     Thread(target=_leave_with, args=(os.getppid(),), name="leave-with-server", daemon=True).start()
 
