@@ -1,0 +1,48 @@
+"""Which side of the shape a place in the box lies on, and whether that is sure."""
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+from scipy.spatial import cKDTree
+from ipcore import winding
+
+REACH = 0.25
+
+
+class Sides:
+    def __init__(self, points, normals, bounds, coarse=None, few=None):
+        self.points, self.normals, self.bounds = points, normals, bounds
+        self.d = d = points.shape[1]
+        self.tree = cKDTree(points)
+        r = self.tree.query(points[np.random.default_rng(0).permutation(len(points))[:2000]], k=2)[0][:, 1]
+        self.near = max(0.04, float(np.median(r)))
+        few = few or 1500
+        coarse = coarse or (64 if d == 2 else 32)
+        some = np.random.default_rng(1).permutation(len(points))[:few]
+        self.p, self.n = points[some], normals[some]
+        self.A = winding.areas(self.p)
+        lines = [np.linspace(a, b, coarse) for a, b in bounds.T]
+        q = np.stack(np.meshgrid(*lines, indexing='ij'), -1).reshape(-1, d)
+        w = winding.winding_number(q, self.p, self.n, self.A)
+        level = max(np.quantile(w, .98), .7)
+        self.level = level
+        self.out = RegularGridInterpolator(lines, (0.5 - w / level).reshape((coarse,) * d), bounds_error=False, fill_value=None)
+
+    def at(self, q):
+        """distance, side (0 unsure)."""
+        dist, nearest = self.tree.query(q, distance_upper_bound=REACH)
+        far = np.isinf(dist)
+        nearest[far] = 0
+        out = self.out(q)
+        vote = ((q - self.points[nearest]) * self.normals[nearest]).sum(1)
+        side = np.where(out > 0, 1., -1.)
+        close = dist < .15
+        by_vote = close & (abs(out) < .3)
+        side[by_vote] = np.where(vote > 0, 1., -1.)[by_vote]
+        sure = (abs(out) > .1) | close
+        side[~sure] = 0
+        dist[far] = REACH
+        return dist, side
+
+    def nodes(self, q):
+        dist, side = self.at(q)
+        side = np.where(dist > self.near, side, 0.)
+        return side, .5 * np.minimum(dist - self.near / 2, .10), dist
