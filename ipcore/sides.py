@@ -13,7 +13,8 @@ class Sides:
         self.d = d = points.shape[1]
         self.tree = cKDTree(points)
         r = self.tree.query(points[np.random.default_rng(0).permutation(len(points))[:2000]], k=2)[0][:, 1]
-        self.near = max(0.04, float(np.median(r)))
+        self.spacing = float(np.median(r))
+        self.near = max(0.04, self.spacing)
         few = few or 1500
         coarse = coarse or (64 if d == 2 else 32)
         some = np.random.default_rng(1).permutation(len(points))[:few]

@@ -1,0 +1,147 @@
+"""Quiet fits."""
+from time import perf_counter
+import numpy as np
+from scipy import ndimage
+from ipcore import basis, contraction, monomials, signs
+from ipcore.basis import Basis
+from ipcore.geometric import Extra, Geometric, Rows
+from ipcore.sides import Sides
+
+NODES = {2: 97, 3: 49}
+CHECK = {2: 251, 3: 91}
+FAR = {2: .10, 3: .12}
+
+
+class Survey:
+    """f on a fine even grid: far wrong nodes, components."""
+    def __init__(self, sides, half, mid):
+        self.sides, self.d = sides, sides.d
+        self.half, self.mid = half, mid
+        self.count = CHECK[self.d]
+        self.u = np.linspace(-1, 1, self.count)
+        self.far = max(FAR[self.d], 2.5 * sides.spacing)
+        self.near = min(.5 * sides.near, max(.012, .5 * sides.spacing))
+
+    def look(self, a, n):
+        T = basis.table(Basis.CHEBYSHEV, self.u, n).T.copy()
+        f = contraction.along_axes(contraction.to_tensor(a, self.d, n), [T] * self.d)
+        neg = f < 0
+        regions = ndimage.label(neg)[1] + ndimage.label(~neg)[1]
+        edge = np.zeros_like(neg)
+        crossings = 0
+        lows = []
+        for k in range(self.d):
+            lo = [slice(None)] * self.d; hi = list(lo)
+            lo[k], hi[k] = slice(None, -1), slice(1, None)
+            lo, hi = tuple(lo), tuple(hi)
+            c = neg[lo] != neg[hi]
+            crossings += c.sum()
+            edge[lo] |= c; edge[hi] |= c
+        idx = np.argwhere(edge)
+        q = self.mid + self.half * self.u[idx]
+        dist = self.sides.tree.query(q, distance_upper_bound=self.far)[0]
+        far = np.isinf(dist)
+        stray = far.sum() / max(1, len(idx))
+        return f, regions - 1, stray, idx, q, dist
+
+    def wrong(self, a, n, everywhere):
+        f, components, stray, idx, q, dist = self.look(a, n)
+        return f, components, stray
+
+
+class QuietFit:
+    def __init__(self, data, top, t1=.01, t2=.95, angle=1e-3, cnt=None):
+        self.data, self.top, self.t1, self.t2, self.angle = data, top, t1, t2, angle
+        self.d = d = data.points.shape[1]
+        self.sides = Sides(data.points, data.normals, data.bounds)
+        self.mid, self.half = data.bounds.mean(0), (data.bounds[1] - data.bounds[0]) / 2
+        cnt = cnt or NODES[d]
+        u = signs.lobatto(cnt)
+        q = np.stack(np.meshgrid(*[c + h * u for c, h in zip(self.mid, self.half)], indexing='ij'), -1).reshape(-1, d)
+        side, margin, dist = self.sides.nodes(q)
+        self.signs = signs.SignNodes(side.reshape((cnt,) * d), margin.reshape((cnt,) * d))
+        self.rows = Rows(data.points, data.normals, data.bounds, 2 * top)
+        self.survey = Survey(self.sides, self.half, self.mid)
+        self.extra = None
+        self.a = None
+        self.its = 0
+
+    def excess(self, D, S):
+        return max(D / self.t1, (1 - S) / (1 - self.t2))
+
+    def refine(self, G, a, ts, steps, tol):
+        for t in ts:
+            G.t = t
+            last = t == ts[-1]
+            a = G.refine(a, steps if last else 8, 1e-6, tol if last else 1e-2, 2 if last else 1)
+            self.its += G.count
+        return a
+
+    def raise_to(self, n, steps=40, tol=1e-3):
+        G = Geometric(self.rows, self.signs, n, self.angle, extra=self.extra)
+        G.top = self.top
+        if self.a is None:
+            a = self.refine(G, np.zeros(G.m), (0, .7, .95, 1), steps, tol)
+        else:
+            a = self.refine(G, np.r_[self.a, np.zeros(G.m - len(self.a))], (.7, .95, 1), steps, tol)
+        self.a = a
+        D, S = G.stat(G.last)
+        self.balance(G, steps)
+        return self.check(G, steps)
+
+    def balance(self, G, steps):
+        a = self.a
+        D, S = G.stat(G.last)
+        best = self.excess(D, S), a, G.last, G.angle
+        for _ in range(3):
+            x, y = D / self.t1, (1 - S) / (1 - self.t2)
+            if max(x, y) < 1 or x * y > 1.3:
+                break
+            G.angle = float(np.clip(G.angle * (y / x) ** 1.5, self.angle / 100, self.angle * 100))
+            a = G.refine(a, 15, 1e-6, 1e-3, 2)
+            self.its += G.count
+            D, S = G.stat(G.last)
+            if self.excess(D, S) < best[0]:
+                best = self.excess(D, S), a, G.last, G.angle
+            else:
+                break
+        self.excess_, self.best, G.last, G.angle = best
+
+    def check(self, G, steps):
+        a = self.best
+        D, S = G.stat(G.last)
+        history = []
+        components = stray = None
+        rounds = 0
+        if self.excess_ < 1:
+            for rounds in range(6):
+                f, components, stray, idx, q, dist = self.survey.look(a, G.n)
+                if components == 1 and stray < 2e-4 and not np.isinf(dist).any():
+                    break
+                self.add(f, components, idx, q, dist)
+                G.extra = self.extra
+                a = G.refine(a, 15, 1e-6, 1e-3, 2)
+                self.its += G.count
+                D, S = G.stat(G.last)
+                if self.excess(D, S) > 1.2:
+                    break
+            self.best = a
+        return D, S, components, stray, rounds
+
+    def add(self, f, components, idx, q, dist):
+        near = self.survey.near if components != 1 else self.sides.near
+        # all nodes with the wrong sign
+        d, side = self.sides.at(q)
+        val = f[tuple(idx.T)]
+        if components != 1:
+            ok = (d > near) & (side != 0)
+        else:
+            ok = d > near
+        bad = ok & (side * val <= 0)
+        t = ((q[bad] - self.mid) / self.half).T
+        margin = .25 * np.minimum(d[bad], .1)
+        weight = 10. / self.signs.side.size * 10
+        if self.extra is None:
+            self.extra = Extra(t, side[bad], margin, weight, self.top)
+        else:
+            self.extra = self.extra.join(t, side[bad], margin, self.extra.weight * 2, self.top)
