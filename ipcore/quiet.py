@@ -9,6 +9,7 @@ from ipcore.sides import Sides
 
 NODES = {2: 97, 3: 49}
 CHECK = {2: 251, 3: 91}
+CLOSE, SLOPE, BOOST = .02, .25, .03
 FAR = {2: .10, 3: .12}
 
 
@@ -66,6 +67,12 @@ class QuietFit:
         self.a = None
         self.its = 0
 
+    def forget(self):
+        self.extra = None
+        self.known = self.ki = self.kept = np.zeros(0, int)
+        self.kd = self.ks = np.zeros(0)
+        self.boost = BOOST / 3
+
     def excess(self, D, S):
         return max(D / self.t1, (1 - S) / (1 - self.t2))
 
@@ -80,6 +87,8 @@ class QuietFit:
     def raise_to(self, n, steps=40, tol=1e-3):
         G = Geometric(self.rows, self.signs, n, self.angle, extra=self.extra)
         G.top = self.top
+        self.forget()
+        G.extra = None
         if self.a is None:
             a = self.refine(G, np.zeros(G.m), (0, .7, .95, 1), steps, tol)
         else:
@@ -119,6 +128,8 @@ class QuietFit:
                 if components == 1 and stray < 2e-4 and not np.isinf(dist).any():
                     break
                 self.add(f, components, idx, q, dist)
+                if not self.added:
+                    break
                 G.extra = self.extra
                 a = G.refine(a, 15, 1e-6, 1e-3, 2)
                 self.its += G.count
@@ -129,19 +140,21 @@ class QuietFit:
         return D, S, components, stray, rounds
 
     def add(self, f, components, idx, q, dist):
-        near = self.survey.near if components != 1 else self.sides.near
-        # all nodes with the wrong sign
+        sv = self.survey
+        zone = abs(f) < CLOSE
+        zone[tuple(idx.T)] = True
+        ids = np.setdiff1d(np.flatnonzero(zone), self.known)
+        self.known = np.union1d(ids, self.known)
+        q = self.mid + self.half * sv.u[np.stack(np.unravel_index(ids, f.shape), 1)]
         d, side = self.sides.at(q)
-        val = f[tuple(idx.T)]
-        if components != 1:
-            ok = (d > near) & (side != 0)
-        else:
-            ok = d > near
-        bad = ok & (side * val <= 0)
-        t = ((q[bad] - self.mid) / self.half).T
-        margin = .25 * np.minimum(d[bad], .1)
-        weight = 10. / self.signs.side.size * 10
-        if self.extra is None:
-            self.extra = Extra(t, side[bad], margin, weight, self.top)
-        else:
-            self.extra = self.extra.join(t, side[bad], margin, self.extra.weight * 2, self.top)
+        self.kd, self.ks, self.ki = np.r_[self.kd, d], np.r_[self.ks, side], np.r_[self.ki, ids]
+        d, side, ids = self.kd, self.ks, self.ki
+        margin = np.minimum(SLOPE * np.minimum(d, .1), CLOSE)
+        near = sv.near
+        bad = (d > near) & (side != 0) & (side * f.ravel()[ids] < margin)
+        self.added = (bad & (side * f.ravel()[ids] <= 0)).sum()
+        self.kept = np.union1d(self.kept, np.flatnonzero(bad)).astype(int)
+        k = self.kept
+        t = sv.u[np.stack(np.unravel_index(ids[k], f.shape))]
+        self.boost *= 3
+        self.extra = Extra(t, side[k], margin[k], self.boost, self.top)

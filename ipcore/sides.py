@@ -5,6 +5,8 @@ from scipy.spatial import cKDTree
 from ipcore import winding
 
 REACH = 0.25
+NEAR, NEARS, SLOPE = .04, 1., .5
+BUDGET = 2e7
 
 
 class Sides:
@@ -14,10 +16,12 @@ class Sides:
         self.tree = cKDTree(points)
         r = self.tree.query(points[np.random.default_rng(0).permutation(len(points))[:2000]], k=2)[0][:, 1]
         self.spacing = float(np.median(r))
-        self.near = max(0.04, self.spacing)
+        self.near = max(NEAR, NEARS * self.spacing)
         few = few or 1500
         coarse = coarse or (64 if d == 2 else 32)
         some = np.random.default_rng(1).permutation(len(points))[:few]
+        self.order = np.random.default_rng(1).permutation(len(points))
+        self.allA = winding.areas(points)
         self.p, self.n = points[some], normals[some]
         self.A = winding.areas(self.p)
         lines = [np.linspace(a, b, coarse) for a, b in bounds.T]
@@ -33,17 +37,26 @@ class Sides:
         far = np.isinf(dist)
         nearest[far] = 0
         out = self.out(q)
-        vote = ((q - self.points[nearest]) * self.normals[nearest]).sum(1)
-        side = np.where(out > 0, 1., -1.)
-        close = dist < .15
-        by_vote = close & (abs(out) < .3)
-        side[by_vote] = np.where(vote > 0, 1., -1.)[by_vote]
-        sure = (abs(out) > .1) | close
-        side[~sure] = 0
+        near = np.flatnonzero(~far)
+        e = q[near] - self.points[nearest[near]]
+        cos = (e * self.normals[nearest[near]]).sum(1) / np.maximum(dist[near], 1e-300)
+        o = out[near]
+        doubtful = near[(np.sign(cos) != np.sign(o)) | (abs(cos) < .5) | (abs(o) < .25)]
+        self.doubtful = len(doubtful)
+        if len(doubtful):
+            k = int(min(len(self.points), max(1500, BUDGET / len(doubtful))))
+            if k == len(self.points):
+                p, n, A = self.points, self.normals, self.allA
+            else:
+                some = self.order[:k]
+                p, n = self.points[some], self.normals[some]
+                A = winding.areas(p)
+            w = winding.winding_number(q[doubtful], p, n, A)
+            out[doubtful] = .5 - w / self.level
         dist[far] = REACH
-        return dist, side
+        return dist, np.where(abs(out) > .12, np.sign(out), 0.)
 
     def nodes(self, q):
         dist, side = self.at(q)
         side = np.where(dist > self.near, side, 0.)
-        return side, .5 * np.minimum(dist - self.near / 2, .10), dist
+        return side, SLOPE * np.minimum(dist - self.near / 2, .10), dist
