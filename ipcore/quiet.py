@@ -7,9 +7,9 @@ from ipcore.basis import Basis
 from ipcore.geometric import Extra, Geometric, Rows
 from ipcore.sides import Sides
 
-NODES = {2: 97, 3: 49}
+NODES = {2: 193, 3: 65}
 CHECK = {2: 251, 3: 91}
-CLOSE, SLOPE, BOOST = .02, .25, .03
+CLOSE, SLOPE, BOOST, ROUNDS = .02, .25, .003, 8
 FAR = {2: .10, 3: .12}
 
 
@@ -21,33 +21,34 @@ class Survey:
         self.count = CHECK[self.d]
         self.u = np.linspace(-1, 1, self.count)
         self.far = max(FAR[self.d], 2.5 * sides.spacing)
-        self.near = min(.5 * sides.near, max(.012, .5 * sides.spacing))
 
     def look(self, a, n):
         T = basis.table(Basis.CHEBYSHEV, self.u, n).T.copy()
         f = contraction.along_axes(contraction.to_tensor(a, self.d, n), [T] * self.d)
         neg = f < 0
-        regions = ndimage.label(neg)[1] + ndimage.label(~neg)[1]
+        regions, small = 0, np.zeros_like(neg)
+        for part in (neg, ~neg):
+            labels, count = ndimage.label(part)
+            regions += count
+            if count > 1:
+                sizes = np.bincount(labels.ravel())
+                sizes[0] = 0
+                small |= part & (labels != sizes.argmax())
         edge = np.zeros_like(neg)
-        crossings = 0
-        lows = []
         for k in range(self.d):
             lo = [slice(None)] * self.d; hi = list(lo)
             lo[k], hi[k] = slice(None, -1), slice(1, None)
             lo, hi = tuple(lo), tuple(hi)
             c = neg[lo] != neg[hi]
-            crossings += c.sum()
             edge[lo] |= c; edge[hi] |= c
         idx = np.argwhere(edge)
         q = self.mid + self.half * self.u[idx]
         dist = self.sides.tree.query(q, distance_upper_bound=self.far)[0]
         far = np.isinf(dist)
         stray = far.sum() / max(1, len(idx))
-        return f, regions - 1, stray, idx, q, dist
-
-    def wrong(self, a, n, everywhere):
-        f, components, stray, idx, q, dist = self.look(a, n)
-        return f, components, stray
+        wrong = small.copy()
+        wrong[tuple(idx[far].T)] = True
+        return f, regions - 1, stray, wrong, small
 
 
 class QuietFit:
@@ -69,7 +70,7 @@ class QuietFit:
 
     def forget(self):
         self.extra = None
-        self.known = self.ki = self.kept = np.zeros(0, int)
+        self.ki = np.zeros(0, int)
         self.kd = self.ks = np.zeros(0)
         self.boost = BOOST / 3
 
@@ -96,7 +97,7 @@ class QuietFit:
         self.a = a
         D, S = G.stat(G.last)
         self.balance(G, steps)
-        return self.check(G, steps)
+        return self.check(G, steps, n == self.top)
 
     def balance(self, G, steps):
         a = self.a
@@ -116,45 +117,43 @@ class QuietFit:
                 break
         self.excess_, self.best, G.last, G.angle = best
 
-    def check(self, G, steps):
+    def check(self, G, steps, final=False):
         a = self.best
         D, S = G.stat(G.last)
         history = []
         components = stray = None
         rounds = 0
-        if self.excess_ < 1:
-            for rounds in range(6):
-                f, components, stray, idx, q, dist = self.survey.look(a, G.n)
-                if components == 1 and stray < 2e-4 and not np.isinf(dist).any():
+        if self.excess_ < 1 or final:
+            for rounds in range(ROUNDS):
+                f, components, stray, wrong, small = self.survey.look(a, G.n)
+                if not wrong.any():
                     break
-                self.add(f, components, idx, q, dist)
+                self.add(f, wrong, small)
                 if not self.added:
                     break
                 G.extra = self.extra
-                a = G.refine(a, 15, 1e-6, 1e-3, 2)
+                a = G.refine(a, 10, 1e-6, 1e-3, 2)
                 self.its += G.count
                 D, S = G.stat(G.last)
-                if self.excess(D, S) > 1.2:
+                if self.excess(D, S) > 1.2 and not final:
                     break
             self.best = a
         return D, S, components, stray, rounds
 
-    def add(self, f, components, idx, q, dist):
+    def add(self, f, wrong, small):
         sv = self.survey
-        zone = abs(f) < CLOSE
-        zone[tuple(idx.T)] = True
-        ids = np.setdiff1d(np.flatnonzero(zone), self.known)
-        self.known = np.union1d(ids, self.known)
+        zone = ndimage.binary_dilation(wrong, iterations=2)
+        ids = np.setdiff1d(np.flatnonzero(zone), self.ki)
         q = self.mid + self.half * sv.u[np.stack(np.unravel_index(ids, f.shape), 1)]
         d, side = self.sides.at(q)
-        self.kd, self.ks, self.ki = np.r_[self.kd, d], np.r_[self.ks, side], np.r_[self.ki, ids]
-        d, side, ids = self.kd, self.ks, self.ki
-        margin = np.minimum(SLOPE * np.minimum(d, .1), CLOSE)
-        near = sv.near
-        bad = (d > near) & (side != 0) & (side * f.ravel()[ids] < margin)
-        self.added = (bad & (side * f.ravel()[ids] <= 0)).sum()
-        self.kept = np.union1d(self.kept, np.flatnonzero(bad)).astype(int)
-        k = self.kept
-        t = sv.u[np.stack(np.unravel_index(ids[k], f.shape))]
+        side = np.where(d > self.sides.near_at, side, 0.)
+        tiny = (side == 0) & small.ravel()[ids]
+        side[tiny] = -np.sign(f.ravel()[ids[tiny]])
+        margin = np.where(tiny, .002, np.minimum(SLOPE * np.minimum(d, .1), CLOSE))
+        bad = (side != 0) & (side * f.ravel()[ids] < margin)
+        self.added = bad.sum()
+        self.kd, self.ks, self.ki = np.r_[self.kd, margin[bad]], np.r_[self.ks, side[bad]], np.r_[self.ki, ids[bad]]
+        self.added += ((self.ks * f.ravel()[self.ki]) <= 0).sum()
+        t = sv.u[np.stack(np.unravel_index(self.ki, f.shape))]
         self.boost *= 3
-        self.extra = Extra(t, side[k], margin[k], self.boost, self.top)
+        self.extra = Extra(t, self.ks, self.kd, self.boost, self.top)

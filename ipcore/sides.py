@@ -5,7 +5,7 @@ from scipy.spatial import cKDTree
 from ipcore import winding
 
 REACH = 0.25
-NEAR, NEARS, SLOPE = .04, 1., .5
+NEAR, NEARS, SLOPE = .02, {2: .7, 3: 1.}, .5
 BUDGET = 2e7
 
 
@@ -16,12 +16,12 @@ class Sides:
         self.tree = cKDTree(points)
         r = self.tree.query(points[np.random.default_rng(0).permutation(len(points))[:2000]], k=2)[0][:, 1]
         self.spacing = float(np.median(r))
-        self.near = max(NEAR, NEARS * self.spacing)
         few = few or 1500
         coarse = coarse or (64 if d == 2 else 32)
         some = np.random.default_rng(1).permutation(len(points))[:few]
         self.order = np.random.default_rng(1).permutation(len(points))
         self.allA = winding.areas(points)
+        self.local = np.maximum(NEAR, NEARS[d] * (self.allA if d == 2 else np.sqrt(self.allA)))
         self.p, self.n = points[some], normals[some]
         self.A = winding.areas(self.p)
         lines = [np.linspace(a, b, coarse) for a, b in bounds.T]
@@ -35,6 +35,7 @@ class Sides:
         """distance, side (0 unsure)."""
         dist, nearest = self.tree.query(q, distance_upper_bound=REACH)
         far = np.isinf(dist)
+        self.near_at = np.where(far, 0., self.local[np.where(far, 0, nearest)])
         nearest[far] = 0
         out = self.out(q)
         near = np.flatnonzero(~far)
@@ -58,5 +59,6 @@ class Sides:
 
     def nodes(self, q):
         dist, side = self.at(q)
-        side = np.where(dist > self.near, side, 0.)
-        return side, SLOPE * np.minimum(dist - self.near / 2, .10), dist
+        near = self.near_at
+        side = np.where(dist > near, side, 0.)
+        return side, SLOPE * np.minimum(dist - near / 2, .10), dist
