@@ -8,18 +8,20 @@ from ipcore.geometric import Extra, Geometric, Rows
 from ipcore.sides import Sides
 
 NODES = {2: 193, 3: 65}
-CHECK = {2: 251, 3: 91}
+CHECK = {2: (251, 501), 3: (91, 129)}
+LEVELS = {2: ((4, 4), (10, 2)), 3: ((5, 2),)}
+SUBSET = 2000
 CLOSE, SLOPE, BOOST, ROUNDS = .02, .25, .003, 8
 FAR = {2: .10, 3: .12}
 
 
 class Survey:
     """f on a fine even grid: far wrong nodes, components."""
-    def __init__(self, sides, half, mid):
+    def __init__(self, sides, half, mid, count):
         self.sides, self.d = sides, sides.d
         self.half, self.mid = half, mid
-        self.count = CHECK[self.d]
-        self.u = np.linspace(-1, 1, self.count)
+        self.count = count
+        self.u = signs.BEYOND * np.linspace(-1, 1, self.count)
         self.far = max(FAR[self.d], 2.5 * sides.spacing)
 
     def look(self, a, n):
@@ -61,18 +63,19 @@ class QuietFit:
         u = signs.lobatto(cnt)
         q = np.stack(np.meshgrid(*[c + h * u for c, h in zip(self.mid, self.half)], indexing='ij'), -1).reshape(-1, d)
         side, margin, dist = self.sides.nodes(q)
-        self.signs = signs.SignNodes(side.reshape((cnt,) * d), margin.reshape((cnt,) * d))
+        side, margin = side.reshape((cnt,) * d), margin.reshape((cnt,) * d)
+        self.signs = signs.SignNodes(side, margin)
+        self.coarser = [(top_, signs.SignNodes(*(np.ascontiguousarray(x[(slice(None, None, k),) * d]) for x in (side, margin)))) for top_, k in LEVELS[d]]
         self.rows = Rows(data.points, data.normals, data.bounds, 2 * top)
-        self.survey = Survey(self.sides, self.half, self.mid)
+        self.surveys = [Survey(self.sides, self.half, self.mid, c) for c in CHECK[d]]
+        some = np.random.default_rng(2).permutation(len(data.points))
+        self.some, self.halfrows = some, None
         self.extra = None
         self.a = None
         self.its = 0
 
     def forget(self):
         self.extra = None
-        self.ki = np.zeros(0, int)
-        self.kd = self.ks = np.zeros(0)
-        self.boost = BOOST / 3
 
     def excess(self, D, S):
         return max(D / self.t1, (1 - S) / (1 - self.t2))
@@ -86,7 +89,14 @@ class QuietFit:
         return a
 
     def raise_to(self, n, steps=40, tol=1e-3):
-        G = Geometric(self.rows, self.signs, n, self.angle, extra=self.extra)
+        nodes = next((s for top, s in self.coarser if n <= top), self.signs)
+        m = monomials.count(self.d, n)
+        size = max(SUBSET, 6 * m)
+        rows = self.rows
+        if len(self.some) > 1.5 * size:
+            i = np.sort(self.some[:size])
+            rows = Rows(self.data.points[i], self.data.normals[i], self.data.bounds, 2 * self.top)
+        self.G = G = Geometric(rows, nodes, n, self.angle, extra=self.extra)
         G.top = self.top
         self.forget()
         G.extra = None
@@ -96,6 +106,10 @@ class QuietFit:
             a = self.refine(G, np.r_[self.a, np.zeros(G.m - len(self.a))], (.7, .95, 1), steps, tol)
         self.a = a
         D, S = G.stat(G.last)
+        if rows is not self.rows and self.excess(D, S) < 1.5:
+            G.rows = self.rows
+            G.T1, G.T2 = [t[:n + 1] for t in self.rows.tables], [t[:2 * n + 1] for t in self.rows.tables]
+            self.a = a = self.refine(G, a, (1,), 15, tol)
         self.balance(G, steps)
         return self.check(G, steps, n == self.top)
 
@@ -123,13 +137,17 @@ class QuietFit:
         history = []
         components = stray = None
         rounds = 0
+        self.clean = False
         if self.excess_ < 1 or final:
             for rounds in range(ROUNDS):
-                f, components, stray, wrong, small = self.survey.look(a, G.n)
-                if not wrong.any():
-                    break
-                self.add(f, wrong, small)
-                if not self.added:
+                for sv in self.surveys:
+                    f, components, stray, wrong, small = sv.look(a, G.n)
+                    if wrong.any():
+                        self.add(sv, f, wrong, small)
+                        if self.added:
+                            break
+                else:
+                    self.clean = self.excess(D, S) < 1
                     break
                 G.extra = self.extra
                 a = G.refine(a, 10, 1e-6, 1e-3, 2)
@@ -140,20 +158,19 @@ class QuietFit:
             self.best = a
         return D, S, components, stray, rounds
 
-    def add(self, f, wrong, small):
-        sv = self.survey
+    def add(self, sv, f, wrong, small):
         zone = ndimage.binary_dilation(wrong, iterations=2)
-        ids = np.setdiff1d(np.flatnonzero(zone), self.ki)
-        q = self.mid + self.half * sv.u[np.stack(np.unravel_index(ids, f.shape), 1)]
-        d, side = self.sides.at(q)
+        f, small = f[zone], small[zone]
+        t = sv.u[np.argwhere(zone)]
+        d, side = self.sides.at(self.mid + self.half * t)
         side = np.where(d > self.sides.near_at, side, 0.)
-        tiny = (side == 0) & small.ravel()[ids]
-        side[tiny] = -np.sign(f.ravel()[ids[tiny]])
+        tiny = (side == 0) & small
+        side[tiny] = -np.sign(f[tiny])
         margin = np.where(tiny, .002, np.minimum(SLOPE * np.minimum(d, .1), CLOSE))
-        bad = (side != 0) & (side * f.ravel()[ids] < margin)
-        self.added = bad.sum()
-        self.kd, self.ks, self.ki = np.r_[self.kd, margin[bad]], np.r_[self.ks, side[bad]], np.r_[self.ki, ids[bad]]
-        self.added += ((self.ks * f.ravel()[self.ki]) <= 0).sum()
-        t = sv.u[np.stack(np.unravel_index(self.ki, f.shape))]
-        self.boost *= 3
-        self.extra = Extra(t, self.ks, self.kd, self.boost, self.top)
+        bad = (side != 0) & (side * f < margin)
+        self.added = (side * f < 0).sum()
+        weight = (self.extra.weight if self.extra else BOOST / 3) * 3
+        if self.extra:
+            self.extra = self.extra.join(t[bad].T, side[bad], margin[bad], weight, self.top)
+        else:
+            self.extra = Extra(t[bad].T, side[bad], margin[bad], weight, self.top)

@@ -8,8 +8,11 @@ from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 
 
+BEYOND = 1.02
+
+
 def lobatto(count):
-    return -np.cos(np.pi * np.arange(count) / (count - 1))
+    return -BEYOND * np.cos(np.pi * np.arange(count) / (count - 1))
 
 
 class SignNodes:
