@@ -160,17 +160,47 @@ class QuietFit:
 
     def add(self, sv, f, wrong, small):
         zone = ndimage.binary_dilation(wrong, iterations=2)
-        f, small = f[zone], small[zone]
-        t = sv.u[np.argwhere(zone)]
+        t, values = sv.u[np.argwhere(zone)], f[zone]
         d, side = self.sides.at(self.mid + self.half * t)
         side = np.where(d > self.sides.near_at, side, 0.)
-        tiny = (side == 0) & small
-        side[tiny] = -np.sign(f[tiny])
-        margin = np.where(tiny, .002, np.minimum(SLOPE * np.minimum(d, .1), CLOSE))
-        bad = (side != 0) & (side * f < margin)
-        self.added = (side * f < 0).sum()
+        margin = np.minimum(SLOPE * np.minimum(d, .1), CLOSE)
+        known = np.zeros(f.shape)
+        known[zone] = side
+        more = []
+        for inside in (True, False):
+            mine = (f < 0) == inside
+            labels, count = ndimage.label(small & mine)
+            if not count:
+                continue
+            agree = ndimage.sum_labels(known * np.sign(f), labels, np.arange(1, count + 1))
+            sure = ndimage.sum_labels(known != 0, labels, np.arange(1, count + 1))
+            for k in range(count):
+                here = labels == k + 1
+                if sure[k] == 0:
+                    q = sv.u[np.argwhere(here)]
+                    more.append((q, np.full(len(q), 1. if inside else -1.)))
+                elif agree[k] > 0:
+                    more.append(self.path(sv, here, mine & ~small, -1. if inside else 1.))
+        bad = (side != 0) & (side * values < margin)
+        contradicted = (side * values < 0).sum()
+        t, side, margin = t[bad], side[bad], margin[bad]
+        for q, sign in more:
+            t, side, margin = np.concatenate([t, q]), np.r_[side, sign], np.r_[margin, np.full(len(q), .002)]
+        self.added = contradicted + len(more)
         weight = (self.extra.weight if self.extra else BOOST / 3) * 3
         if self.extra:
-            self.extra = self.extra.join(t[bad].T, side[bad], margin[bad], weight, self.top)
+            self.extra = self.extra.join(t.T, side, margin, weight, self.top)
         else:
-            self.extra = Extra(t[bad].T, side[bad], margin[bad], weight, self.top)
+            self.extra = Extra(t.T, side, margin, weight, self.top)
+
+    def path(self, sv, here, main, sign):
+        away, nearest = ndimage.distance_transform_edt(~main, return_indices=True)
+        i = np.argwhere(here)
+        start = i[np.argmin(away[here])]
+        end = nearest[(slice(None), *start)]
+        steps = max(2, int(2 * abs(end - start).max()))
+        q = start + np.linspace(0, 1, steps)[:, None] * (end - start)
+        q = sv.u[0] + q * (sv.u[1] - sv.u[0])
+        d, side = self.sides.at(self.mid + self.half * q)
+        keep = (side * sign >= 0) | (d < self.sides.near_at)
+        return q[keep], np.full(keep.sum(), sign)
