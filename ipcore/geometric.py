@@ -38,6 +38,9 @@ class Geometric:
         self.T1 = [t[:degree + 1] for t in rows.tables]
         self.T2 = [t[:2 * degree + 1] for t in rows.tables]
         self.D = [gram.differentiation(self.d, degree, k) / rows.half[k] for k in range(self.d)]
+        if self.m <= 150:
+            self.D = [D.toarray() for D in self.D]
+        self.Dt = [D.T.copy() if self.m <= 150 else D.T.tocsr() for D in self.D]
         self.perm = gram.position(monomials.exponents(self.d, degree), degree)
         self.extra = extra
         self.t = 1.0
@@ -83,22 +86,22 @@ class Geometric:
             row = 0
             for j in range(d + 1):
                 part = G[at[min(i, j), max(i, j)]]
-                row = row + (part if j == 0 else (self.D[j - 1].T @ part).T)
-            H = H + (row if i == 0 else self.D[i - 1].T @ row)
+                row = row + (part if j == 0 else (self.Dt[j - 1] @ part).T)
+            H = H + (row if i == 0 else self.Dt[i - 1] @ row)
         nn = self.rows.normals
         cos = (g * nn).sum(0)
         first = u * dist
         first[1:] -= self.angle * (nn - g - self.t * g * (cos - gg)) / s
         first /= N
         b = gram.moments(self.T1, first)[self.perm]
-        r = -b[:, 0] - sum(self.D[k].T @ b[:, k + 1] for k in range(d))
+        r = -b[:, 0] - sum(self.Dt[k] @ b[:, k + 1] for k in range(d))
         r = r + self.weight * contraction.from_tensor(self.signs.pull(v, self.n), d, self.n)
         if more is not None:
             pull = gram.moments([t[:self.n + 1] for t in self.extra.tables], self.extra.weight * (more * self.extra.side)[None])
             r = r + pull[self.perm, 0]
         return H, r
 
-    def refine(self, a, steps=25, damping=1e-3, tol=1e-4, patience=1):
+    def refine(self, a, steps=25, damping=1e-3, tol=1e-4, patience=1, far=None):
         look = self.look(a)
         now = self.phi(look)
         self.count = 0
@@ -127,6 +130,10 @@ class Geometric:
             slow = slow + 1 if gain < tol else 0
             if slow >= patience:
                 break
+            if far and gain < far[1]:
+                D, S = self.stat(look)
+                if max(D / .01, (1 - S) / .05) > far[0]:
+                    break
         self.last = look
         self.now = now
         self.damping = damping

@@ -7,11 +7,12 @@ from ipcore.basis import Basis
 from ipcore.geometric import Extra, Geometric, Rows
 from ipcore.sides import Sides
 
-NODES = {2: 193, 3: 65}
+PER = {2: 10, 3: 6}
+TS = (.7, .95, 1)
+FARTOL = None
 CHECK = {2: (251, 501), 3: (91, 129)}
-LEVELS = {2: ((4, 4), (10, 2)), 3: ((5, 2),)}
 SUBSET = 2000
-CLOSE, SLOPE, BOOST, ROUNDS = .02, .25, .003, 8
+CLOSE, SLOPE, BOOST, ROUNDS = .02, .25, .02, 8
 FAR = {2: .10, 3: .12}
 
 
@@ -59,13 +60,7 @@ class QuietFit:
         self.d = d = data.points.shape[1]
         self.sides = Sides(data.points, data.normals, data.bounds)
         self.mid, self.half = data.bounds.mean(0), (data.bounds[1] - data.bounds[0]) / 2
-        cnt = cnt or NODES[d]
-        u = signs.lobatto(cnt)
-        q = np.stack(np.meshgrid(*[c + h * u for c, h in zip(self.mid, self.half)], indexing='ij'), -1).reshape(-1, d)
-        side, margin, dist = self.sides.nodes(q)
-        side, margin = side.reshape((cnt,) * d), margin.reshape((cnt,) * d)
-        self.signs = signs.SignNodes(side, margin)
-        self.coarser = [(top_, signs.SignNodes(*(np.ascontiguousarray(x[(slice(None, None, k),) * d]) for x in (side, margin)))) for top_, k in LEVELS[d]]
+        self.levels = {}
         self.rows = Rows(data.points, data.normals, data.bounds, 2 * top)
         self.surveys = [Survey(self.sides, self.half, self.mid, c) for c in CHECK[d]]
         some = np.random.default_rng(2).permutation(len(data.points))
@@ -77,6 +72,16 @@ class QuietFit:
     def forget(self):
         self.extra = None
 
+    def level(self, n):
+        d = self.d
+        cnt = max(33, 16 * int(np.ceil(PER[d] * n / 16)) + 1)
+        if cnt not in self.levels:
+            u = signs.lobatto(cnt)
+            q = np.stack(np.meshgrid(*[c + h * u for c, h in zip(self.mid, self.half)], indexing='ij'), -1).reshape(-1, d)
+            side, margin, dist = self.sides.nodes(q)
+            self.levels[cnt] = signs.SignNodes(side.reshape((cnt,) * d), margin.reshape((cnt,) * d))
+        return self.levels[cnt]
+
     def excess(self, D, S):
         return max(D / self.t1, (1 - S) / (1 - self.t2))
 
@@ -84,12 +89,12 @@ class QuietFit:
         for t in ts:
             G.t = t
             last = t == ts[-1]
-            a = G.refine(a, steps if last else 8, 1e-6, tol if last else 1e-2, 2 if last else 1)
+            a = G.refine(a, steps if last else 8, 1e-6, tol if last else 1e-2, 2 if last else 1, FARTOL if last else None)
             self.its += G.count
         return a
 
     def raise_to(self, n, steps=40, tol=1e-3):
-        nodes = next((s for top, s in self.coarser if n <= top), self.signs)
+        nodes = self.signs = self.level(n)
         m = monomials.count(self.d, n)
         size = max(SUBSET, 6 * m)
         rows = self.rows
@@ -103,7 +108,7 @@ class QuietFit:
         if self.a is None:
             a = self.refine(G, np.zeros(G.m), (0, .7, .95, 1), steps, tol)
         else:
-            a = self.refine(G, np.r_[self.a, np.zeros(G.m - len(self.a))], (.7, .95, 1), steps, tol)
+            a = self.refine(G, np.r_[self.a, np.zeros(G.m - len(self.a))], TS, steps, tol)
         self.a = a
         D, S = G.stat(G.last)
         if rows is not self.rows and self.excess(D, S) < 1.5:
