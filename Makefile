@@ -5,8 +5,9 @@ BIN    := $(VENV)/bin
 PIP     = $(BIN)/python -m pip --disable-pip-version-check
 UV     := 0.13.9
 
-# Wheels only, and only those whose hash is in the lock; then the project itself, with nothing fetched.
-INSTALL      = $(PIP) install --quiet --require-hashes --only-binary :all: -r
+# Wheels only, and only those whose hash is in the lock, which is complete: pip need not resolve anything, and so cannot
+# stumble over a release newer than a pin. Then the project itself, with nothing fetched.
+INSTALL      = $(PIP) install --quiet --no-deps --require-hashes --only-binary :all: -r
 INSTALL_SELF = $(PIP) install --quiet --no-deps --no-build-isolation --no-index -e .
 
 # `make lock LOCK_FLAGS=--upgrade` moves to the newest versions; plain `make lock` keeps every pin that still fits.
@@ -17,7 +18,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check lock openapi clean help
+.PHONY: serve test check bench-paper lock openapi clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -38,9 +39,13 @@ openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 	$(BIN)/ipfit openapi > openapi/openapi.json.new
 	mv openapi/openapi.json.new openapi/openapi.json
 
-lock: .venv-lock/.stamp ## write requirements.lock and tests/requirements.lock anew
+bench-paper: $(VENV)/.bench-stamp ## write bench/PAPER.md (IPFIT_BENCH_DATA names the folder of point sets)
+	$(BIN)/python bench/paper.py $(ARGS)
+
+lock: .venv-lock/.stamp ## write requirements.lock and those of tests/ and bench/ anew
 	$(COMPILE) -o requirements.lock pyproject.toml
 	$(COMPILE) --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+	$(COMPILE) --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
 
 clean: ## remove the environments, caches and build products (data stays)
 	rm -rf $(VENV) .venv-lock build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache \
@@ -48,7 +53,7 @@ clean: ## remove the environments, caches and build products (data stays)
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 help: ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST)
 
 $(VENV)/.venv-stamp:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
@@ -65,6 +70,11 @@ $(VENV)/.serve-stamp: $(VENV)/.venv-stamp requirements.lock pyproject.toml
 # The dev lock holds the same pins and more, so both stamps can share one environment.
 $(VENV)/.dev-stamp: $(VENV)/.venv-stamp requirements.lock tests/requirements.lock pyproject.toml
 	$(INSTALL) tests/requirements.lock
+	$(INSTALL_SELF)
+	@touch $@
+
+$(VENV)/.bench-stamp: $(VENV)/.venv-stamp bench/requirements.lock pyproject.toml
+	$(INSTALL) bench/requirements.lock
 	$(INSTALL_SELF)
 	@touch $@
 

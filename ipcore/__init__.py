@@ -1,7 +1,8 @@
 """Implicit polynomials f(x) = 0 from 2D and 3D point sets, of the degree that they need."""
 
-from ipcore.adaptive import fit
+from ipcore.adaptive import fit, fit_fixed
 from ipcore.basis import Basis
+from ipcore.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.errors import (
     InvalidNormalsError,
     InvalidOptionsError,
@@ -20,10 +21,15 @@ from ipcore.zero_set import ZeroSet, zero_set
 
 __all__ = [
     "Basis",
+    "Collinear",
+    "Constraints",
+    "Criterion",
     "Diagnostics",
+    "Factor",
     "FitOptions",
     "FitResult",
     "Frame",
+    "Granularity",
     "IPCoreError",
     "ImplicitPolynomial",
     "InvalidNormalsError",
@@ -32,11 +38,15 @@ __all__ = [
     "InvalidPolynomialError",
     "NormalSource",
     "PointSet",
+    "Preset",
+    "Ridge",
+    "RidgeMatrix",
     "Step",
     "StopReason",
     "ZeroSet",
     "check_points",
     "estimate_normals",
     "fit",
+    "fit_fixed",
     "zero_set",
 ]

@@ -1,21 +1,24 @@
-"""The adaptive fit: raise the degree until the fit is close and smooth enough (the paper's section 4)."""
+"""The two ways in: a fit whose degree finds itself (the paper's section 4), and a fit of a degree that is known."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import version
-from time import perf_counter
 
 from numpy.typing import ArrayLike
 
 from ipcore import monomials
 from ipcore import points as pointset
-from ipcore.criteria import Closeness, StoppingRule
-from ipcore.linear import LinearFit
-from ipcore.options import FitOptions
+from ipcore.choices import Constraints, Criterion, Granularity, chosen
+from ipcore.errors import InvalidOptionsError
+from ipcore.judges import Judge, LastJudge, judge
+from ipcore.linear import prefix_fit
+from ipcore.options import HIGHEST_DEGREE, FitOptions
 from ipcore.oriented import OrientedPoints, sha256
+from ipcore.points import PointSet
+from ipcore.ranges import integer
 from ipcore.report import diagnose
-from ipcore.result import FitResult, Step, StopReason
-
-Progress = Callable[[Step], None]
+from ipcore.result import FitResult, StopReason
+from ipcore.search import DegreeSearch, Progress, stops
 
 
 def fit(
@@ -56,14 +59,73 @@ def fit(
     """
     options = options or FitOptions()
     given = pointset.check(points, normals)
-    cap = options.degree_cap(given.points.shape[1])
+    dimension = given.points.shape[1]
+    cap = options.degree_cap(dimension)
+    if given.planar:
+        return _searched(given, options, stops(dimension, 1, Granularity.FORM), LastJudge(StopReason.PLANAR), progress)
+    return _searched(given, options, stops(dimension, cap, options.granularity), judge(options), progress)
+
+
+def fit_fixed(
+    points: ArrayLike,
+    normals: ArrayLike | None = None,
+    options: FitOptions | None = None,
+    *,
+    degree: int,
+    method: Constraints | str | None = None,
+) -> FitResult:
+    """Fit an implicit polynomial of a given degree, by any of the constraint families.
+
+    Parameters
+    ----------
+    points, normals
+        As for `fit`.
+    options
+        See `FitOptions`; what concerns the search is not used.
+    degree
+        The total degree n: 1 … 40 in 2D, 1 … 20 in 3D.
+    method
+        The constraint family, in place of that among the options.
+
+    Raises
+    ------
+    InvalidPointsError, InvalidNormalsError, InvalidOptionsError
+        If the input cannot be fitted, or the degree has more coefficients than there are points.
+
+    Examples
+    --------
+    >>> from ipcore import shapes
+    >>> result = fit_fixed(*shapes.ellipse().sample(100), degree=2, method="taubin")
+    >>> bool(result.diagnostics.distance_max < 1e-12), str(result.stop_reason)
+    (True, 'degree-reached')
+
+    """
+    given = pointset.check(points, normals)
+    count, dimension = given.points.shape
+    integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
+    columns = monomials.count(dimension, degree)
+    if columns > count:
+        raise InvalidOptionsError(
+            f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
+        )
+    options = options or FitOptions()
+    family = options.constraints if method is None else chosen("method", method, Constraints)
+    options = replace(options, max_degree=degree, criterion=Criterion.NONE, constraints=family)
+    return _searched(given, options, [columns], LastJudge(), None)
+
+
+def _searched(
+    given: PointSet, options: FitOptions, alphas: Sequence[int], by: Judge, progress: Progress | None
+) -> FitResult:
+    """Orient the points, search over these stops, and report."""
     data = OrientedPoints.of(given, options.neighbours)
-    search = _Search(data, options, cap)
-    reason = search.run(progress)
-    diagnosis = diagnose(search.best, data, options, reason)
+    linear = prefix_fit(data, options, monomials.degree_of(data.points.shape[1], alphas[-1]))
+    search = DegreeSearch(data, options, linear, by)
+    found = search.run(alphas, progress)
+    diagnosis = diagnose(found.polynomial, data, options, found.reason, linear.orthogonality_loss(found.step.columns))
     return FitResult(
         diagnosis.polynomial,
-        reason,
+        found.reason,
         tuple(search.steps),
         diagnosis.diagnostics,
         diagnosis.warnings,
@@ -71,50 +133,3 @@ def fit(
         version("ipfit"),
         sha256(given),
     )
-
-
-class _Search:
-    """The loop over degrees: every one is fitted, measured and kept in the trace; the best is remembered."""
-
-    def __init__(self, data: OrientedPoints, options: FitOptions, cap: int) -> None:
-        self.steps: list[Step] = []
-        self._data = data
-        self._cap = 1 if data.planar else cap
-        self._rule = StoppingRule(options.t1, options.t2)
-        self._linear = LinearFit(data, options, self._cap)
-        self._least = float("inf")
-
-    def run(self, progress: Progress | None) -> StopReason:
-        """Raise the degree until the stopping rule is met or nothing higher can be tried, and return which."""
-        count, dimension = self._data.points.shape
-        for degree in range(1, self._cap + 1):
-            if monomials.count(dimension, degree) > max(count, dimension + 1):
-                return StopReason.TOO_FEW_POINTS
-            step = self._try(degree)
-            if progress is not None:
-                progress(step)
-            if self._rule.met(step.d_dist, step.d_smooth):
-                return StopReason.CRITERION_MET
-        return StopReason.PLANAR if self._data.planar else StopReason.MAX_DEGREE
-
-    def _try(self, degree: int) -> Step:
-        started = perf_counter()
-        linear = self._linear.raise_to(degree)
-        candidate = self._data.polynomial(degree, linear.coefficients)
-        at = Closeness.of(*candidate.value_and_gradient(self._data.points), self._data.normals)
-        excess = self._rule.excess(at.d_dist, at.d_smooth)
-        if excess < self._least:
-            self._least, self.best = excess, candidate
-        step = Step(
-            degree,
-            linear.columns,
-            linear.dropped,
-            at.d_dist,
-            at.d_smooth,
-            linear.rss,
-            linear.gcv,
-            linear.condition,
-            perf_counter() - started,
-        )
-        self.steps.append(step)
-        return step

@@ -1,7 +1,7 @@
 """The two families of univariate functions whose products span the polynomials: powers, and Chebyshev polynomials.
 
-Fits are computed in Chebyshev products on the fit's bounds, which are far better conditioned than monomials; answers
-are given in monomials of the frame, which anybody can evaluate. Both are graded, so both span the same spaces.
+Fits are computed in Chebyshev products on the fit's bounds, which stay within ±1 there whatever the degree; answers are
+given in monomials of the frame, which anybody can evaluate. Both are graded, so both span the same spaces.
 """
 
 from enum import StrEnum
@@ -66,3 +66,23 @@ def chebyshev_to_powers(degree: int, slope: float, offset: float) -> ExtendedArr
         K[:, k] = 2.0 * np.longdouble(offset) * K[:, k - 1] - K[:, k - 2]
         K[1:, k] += 2.0 * np.longdouble(slope) * K[:-1, k - 1]
     return K
+
+
+def powers_to_chebyshev(degree: int, slope: float, offset: float) -> ExtendedArray:
+    """Return L, (n+1, n+1): u^j = Σ_k L[k, j] T_k(slope·u + offset), the inverse of `chebyshev_to_powers`.
+
+    With t = slope·u + offset each power is the one before it times (t − offset)/slope, and t T_k = (T_{k+1} +
+    T_{|k−1|})/2. In extended precision where the platform has it.
+
+    >>> powers_to_chebyshev(2, 1.0, 0.0)[:, 2].astype(float).tolist()       # u² = (T_0 + T_2)/2
+    [0.5, 0.0, 0.5]
+    """
+    L = np.zeros((degree + 1, degree + 1), dtype=np.longdouble)
+    L[0, 0] = 1.0
+    for j in range(degree):
+        times_t = np.zeros(degree + 2, dtype=np.longdouble)
+        times_t[1:] += L[:, j] / 2.0
+        times_t[:degree] += L[1:, j] / 2.0
+        times_t[1] += L[0, j] / 2.0
+        L[:, j + 1] = (times_t[:-1] - np.longdouble(offset) * L[:, j]) / np.longdouble(slope)
+    return L

@@ -1,77 +1,168 @@
-"""The linear fit at one degree after another: constraints in, Chebyshev coefficients out."""
+"""Linear fits with one prefix of columns after another, each reusing the factorisation of the one before (Fig. 2)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
-from ipcore import basis, monomials
+from ipcore import monomials, ridge
 from ipcore._typing import FloatArray
-from ipcore.basis import Basis
-from ipcore.constraints import three_layer
+from ipcore.choices import Constraints, Criterion, Factor, Ridge
+from ipcore.constraints import families
+from ipcore.criteria import Leverage
 from ipcore.factor.block import BlockGramSchmidt
+from ipcore.factor.gram_schmidt import GramSchmidt
+from ipcore.factor.interface import Factorisation, Policy
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
+from ipcore.polynomial import ImplicitPolynomial
+from ipcore.system import System, working_basis
 
 
 @dataclass(frozen=True, eq=False)
 class LinearStep:
-    """The solution at one degree.
+    """The fit with the first α columns.
 
     Attributes
     ----------
-    coefficients
-        (m,), of Chebyshev products on the data's bounds; 0 where a column was dropped.
-    rows, columns, dropped
-        The system's size: equations, coefficients in use, coefficients left out.
+    polynomial
+        In the normalised frame and the basis the fit works in; 0 where a column was dropped or is still to come.
+    rows, columns, dropped, ridged
+        The system's size: equations, coefficients in use, coefficients left out, coefficients damped.
+    freedom
+        Degrees of freedom.
     rss
         Residual sum of squares.
-    condition
-        Estimated condition of R with columns scaled to length 1.
+    condition, diagonal_ratio
+        Estimated condition of R with columns scaled to length 1, and the paper's measure of it.
+    loo
+        Mean squared error at points left out; None unless asked for.
 
     """
 
-    coefficients: FloatArray
+    polynomial: ImplicitPolynomial
     rows: int
     columns: int
     dropped: int
+    ridged: int
+    freedom: float
     rss: float
     condition: float
-
-    @property
-    def gcv(self) -> float:
-        """Return generalised cross-validation, n·RSS/(n − k)²; infinite where it interpolates."""
-        free = self.rows - self.columns
-        return self.rows * self.rss / free**2 if free > 0 else float("inf")
+    diagonal_ratio: float
+    loo: float | None
 
 
-class LinearFit:
-    """Fits of degree 1, 2, …, each reusing the factorisation of the one before (the paper's Fig. 2)."""
+class PrefixFit(Protocol):
+    """How the polynomial of so many columns is found: what `DegreeSearch` searches with."""
+
+    def raise_to(self, alpha: int) -> LinearStep:
+        """Return the fit with the first α columns, more than the last time."""
+        ...
+
+    def orthogonality_loss(self, columns: int) -> float | None:
+        """Return ‖QᵀQ − I‖₂ of the first columns that were kept; None where it is rounding by construction."""
+        ...
+
+
+def prefix_fit(data: OrientedPoints, options: FitOptions, max_degree: int) -> PrefixFit:
+    """Return the linear fit that the options ask for."""
+    kind = TaubinFit if options.constraints is Constraints.TAUBIN else LeastSquaresFit
+    return kind(data, options, max_degree)
+
+
+class LeastSquaresFit:
+    """Minimises ‖M a − b‖², and κ aᵀDa with it if that is asked for."""
 
     def __init__(self, data: OrientedPoints, options: FitOptions, max_degree: int) -> None:
         """Tabulate the univariate functions at the constraints' positions, up to the last degree."""
-        positions, b = three_layer.layers(data.points, data.normals, options.layer_distance)
-        middle, half = data.bounds.mean(axis=0), (data.bounds[1] - data.bounds[0]) / 2.0
-        t = ((positions - middle) / half).T
-        self._tables = [basis.table(Basis.CHEBYSHEV, np.ascontiguousarray(row), max_degree) for row in t]
-        self._factor = BlockGramSchmidt(b, options.collinear_tol)
-        self._rows = len(b)
-        self._append(0)
+        self._data = data
+        self._rows = families.rows(data.points, data.normals, options)
+        self._basis = working_basis(options)
+        self._system = System(self._rows, self._basis, data.bounds, max_degree)
+        self._damping = None
+        if options.ridge is not Ridge.NONE:
+            D = ridge.diagonal(options.ridge_matrix, data.points, max_degree)
+            self._damping = options.ridge_strength * D
+        self._factor = self._factorisation(options)
+        groups = len(self._rows.groups)
+        self._leverage = Leverage(groups, len(data.points)) if options.criterion is Criterion.LOO else None
 
-    def raise_to(self, degree: int) -> LinearStep:
-        """Append the form of this degree, one above the last, and solve."""
-        self._append(degree)
-        kept = self._factor.kept
-        columns = int(np.count_nonzero(kept))
+    def raise_to(self, alpha: int) -> LinearStep:
+        """Append the columns that are still missing, a whole form at a time, and solve."""
+        degree = monomials.degree_of(self._data.points.shape[1], alpha)
+        self._append(alpha)
+        if self._rows.gradient_length is not None:
+            self._factor.retarget(self._rows.b(degree))
+        polynomial = self._data.polynomial(degree, self._factor.solve(), self._basis)
+        return self._step(polynomial, len(self._factor.residual), self._factor.rss)
+
+    def orthogonality_loss(self, columns: int) -> float | None:
+        """Return ‖QᵀQ − I‖₂ of the first columns that were kept; None where it is rounding by construction."""
+        return self._factor.orthogonality_loss(columns)
+
+    def _factorisation(self, options: FitOptions) -> Factorisation:
+        kind = GramSchmidt if options.factor is Factor.GRAM_SCHMIDT else BlockGramSchmidt
+        policy = Policy(options.collinear_tol, options.on_collinear, options.ridge is Ridge.FULL)
+        return kind(self._rows.b(1), policy, 0 if self._damping is None else len(self._damping))
+
+    def _append(self, alpha: int) -> None:
+        """Append form by form: the blocks are the same whether degrees are asked for one by one or at once."""
+        start, d = len(self._factor.kept), self._data.points.shape[1]
+        while start < alpha:
+            stop = min(alpha, monomials.form(d, monomials.degree_of(d, start + 1)).stop)
+            damping = None if self._damping is None else self._damping[start:stop]
+            self._factor.append(self._system.columns(start, stop), damping)
+            start = stop
+
+    def _step(self, polynomial: ImplicitPolynomial, rows: int, rss: float) -> LinearStep:
+        factor, columns = self._factor, int(np.count_nonzero(self._factor.kept))
         return LinearStep(
-            self._factor.solve(),
-            self._rows,
+            polynomial,
+            rows,
             columns,
-            len(kept) - columns,
-            self._factor.rss,
-            self._factor.condition(),
+            len(factor.kept) - columns,
+            factor.ridged,
+            factor.freedom,
+            rss,
+            factor.condition(),
+            factor.diagonal_ratio(),
+            self._left_out(),
         )
 
-    def _append(self, degree: int) -> None:
-        d = len(self._tables)
-        powers = monomials.exponents(d, degree)[monomials.form(d, degree)]
-        self._factor.append(monomials.products(self._tables, powers).T)
+    def _left_out(self) -> float | None:
+        if self._leverage is None:
+            return None
+        self._leverage.add(self._factor.data_blocks(self._leverage.columns))
+        return self._leverage.left_out(self._factor.residual)
+
+
+class TaubinFit(LeastSquaresFit):
+    r"""Minimises Σ f² / Σ ‖∇f‖² with the same growing factorisation.
+
+    With [A; G] = QR, A the rows of f and G those of ∇f, and y = R a, the quotient is ‖Q_A y‖² / (‖y‖² − ‖Q_A y‖²): y is
+    the right singular vector of Q_A with the smallest singular value. No square of A or G is formed, so what vanishes
+    on the data is found to rounding; what vanishes in both, as the square of such a polynomial, is a collinear column.
+    """
+
+    def raise_to(self, alpha: int) -> LinearStep:
+        """Append the columns that are still missing, and take the smallest singular vector.
+
+        f is scaled to mean ‖∇f‖² = 1, so that it is about a distance, and grows along the normals.
+        """
+        self._append(alpha)
+        points, normals = self._data.points, self._data.normals
+        y = _smallest_right_singular_vector([block[: len(points)] for block in self._factor.data_blocks()])
+        degree = monomials.degree_of(points.shape[1], alpha)
+        polynomial = self._data.polynomial(degree, self._factor.solve(y), self._basis)
+        f, gradient = polynomial.value_and_gradient(points)
+        size = float(np.sqrt((gradient**2).sum(axis=1).mean())) or 1.0  # every column but the constant may be dropped
+        size *= 1.0 if (gradient * normals).sum() >= 0.0 else -1.0
+        scaled = replace(polynomial, coefficients=polynomial.coefficients / size)
+        return self._step(scaled, len(points), float(((f / size) ** 2).sum()))
+
+
+def _smallest_right_singular_vector(blocks: list[FloatArray]) -> FloatArray:
+    """Return y (k,) of length 1 with the least ‖[blocks] y‖; blocks (N, …) of k columns in all."""
+    if not blocks:
+        return np.zeros(0)
+    return np.asarray(np.linalg.svd(np.linalg.qr(np.hstack(blocks), mode="r"))[2][-1])

@@ -93,3 +93,32 @@ def products(tables: list[FloatArray], powers: IntArray) -> FloatArray:
     for axis in range(1, len(tables)):
         rows *= tables[axis][powers[:, axis]]
     return rows
+
+
+def sum_of_all(x: FloatArray, degree: int) -> FloatArray:
+    """Return the sum of all monomials of total degree ≤ `degree` at x (N, d), shape (N,).
+
+    By the recurrence of the complete homogeneous symmetric polynomials, h_s(x₁…x_k) = h_s(x₁…x_{k−1}) + x_k
+    h_{s−1}(x₁…x_k): no monomial is formed, and where x ≥ 0 nothing cancels.
+
+    >>> sum_of_all(np.array([[2.0, 3.0]]), 2).tolist()      # 1 + (2 + 3) + (4 + 6 + 9)
+    [25.0]
+    """
+    h = np.zeros((degree + 1, len(x)))
+    h[0] = 1.0
+    for variable in x.T:
+        for s in range(1, degree + 1):
+            h[s] += variable * h[s - 1]
+    return np.asarray(h.sum(axis=0))
+
+
+def degree_of(dimension: int, columns: int) -> int:
+    """Return the total degree in which the last of so many columns lies, so that α = `columns`.
+
+    >>> [degree_of(2, alpha) for alpha in (1, 2, 28, 54, 92)]
+    [0, 1, 6, 9, 13]
+    """
+    degree = 0
+    while count(dimension, degree) < columns:
+        degree += 1
+    return degree

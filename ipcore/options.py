@@ -1,32 +1,75 @@
 """What a fit can be told. Every option has a default; distances are in mean radii, the unit of the normalised frame."""
 
 from dataclasses import dataclass, fields
-from numbers import Integral
-from typing import Any
+from enum import StrEnum
+from typing import Any, Self
 
+from ipcore import choices
 from ipcore.basis import Basis
+from ipcore.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.errors import InvalidOptionsError
+from ipcore.ranges import integer, number
 
 DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
 HIGHEST_DEGREE = {2: 40, 3: 20}
 
+_CHOICES: dict[str, type[StrEnum]] = {
+    "constraints": Constraints,
+    "criterion": Criterion,
+    "granularity": Granularity,
+    "factor": Factor,
+    "ridge": Ridge,
+    "ridge_matrix": RidgeMatrix,
+    "basis": Basis,
+}
+# κ = 1e-10 moves no fit visibly and still bounds the condition: on three outlines the same column was chosen for every
+# κ from 1e-14 to 1e-4.
+_PRESETS: dict[Preset, dict[str, Any]] = {
+    Preset.DEFAULT: {},
+    Preset.PAPER: {
+        "granularity": Granularity.MONOMIAL,
+        "factor": Factor.GRAM_SCHMIDT,
+        "ridge": Ridge.FULL,
+        "ridge_strength": 1e-10,
+    },
+}
+
 
 @dataclass(frozen=True)
 class FitOptions:
-    """The options of one fit.
+    """The options of one fit. Those with named values take the name or the member of the enumeration.
 
     Attributes
     ----------
     max_degree
         The last degree to try: 1 … 40 in 2D (default 20), 1 … 20 in 3D (default 16).
+    constraints
+        Which equations the data give; see `Constraints`.
     layer_distance
-        c, the distance of the two outer layers of the 3L constraints from the data, in mean radii; 0 < c ≤ 0.3.
+        c, the distance of the outer layers of the 3L and 5L constraints from the data, in mean radii; 0 < c ≤ 0.3.
+    gradient_weight
+        μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. The default is
+        2c² for c = 0.05: near a straight line two layers at ±c weigh ∂f/∂n so. On clean data less is closer.
+    criterion
+        What ends the search; see `Criterion`.
     t1
         The fit is close enough when D_dist < t1, in mean radii. The paper takes 20 % of c.
     t2
         The fit is smooth enough when D_smooth > t2; −1 … 1.
+    granularity
+        Where the search may stop: at complete degrees, or at every column.
+    factor
+        How the linear system is factored.
+    collinear
+        What becomes of collinear columns. By default they are ridged if `ridge` is selective, and dropped if it is not.
     collinear_tol
-        A column is dropped when the part of it that no earlier column explains, |r_ii|/‖c_i‖, is at most this.
+        A column is collinear when the part of it that no earlier column explains, |r_ii|/‖c_i‖, is at most this.
+    ridge
+        Which columns ridge regression damps.
+    ridge_matrix
+        D, the weights of the squared coefficients, of the monomials of the frame.
+    ridge_strength
+        κ, the weight of the damping; 0 < κ ≤ 1e6.
     neighbours
         How many neighbours estimate a normal, when none are given; at least 3.
     basis
@@ -37,30 +80,85 @@ class FitOptions:
     Raises
     ------
     InvalidOptionsError
-        If a value is not allowed; `at` names the option.
+        If a value is not allowed, or contradicts another; `at` names the option.
 
     """
 
     max_degree: int | None = None
+    constraints: Constraints = Constraints.THREE_LAYER
     layer_distance: float = 0.05
+    gradient_weight: float = 0.005
+    criterion: Criterion = Criterion.DISTANCE
     t1: float = 0.01
     t2: float = 0.95
+    granularity: Granularity = Granularity.FORM
+    factor: Factor = Factor.AUTO
+    collinear: Collinear | None = None
     collinear_tol: float = 1e-10
+    ridge: Ridge = Ridge.NONE
+    ridge_matrix: RidgeMatrix = RidgeMatrix.INVARIANT
+    ridge_strength: float = 1e-4
     neighbours: int = 12
     basis: Basis = Basis.MONOMIAL
     measure_zero_set: bool = True
 
+    @classmethod
+    def of(cls, preset: Preset | str = Preset.DEFAULT, **given: Any) -> Self:  # noqa: ANN401 - checked one by one
+        """Return a preset's options with those given in their place.
+
+        Raises
+        ------
+        InvalidOptionsError
+            If there is no such preset or option, or a value is not allowed.
+
+        >>> paper = FitOptions.of("paper", max_degree=13)
+        >>> str(paper.granularity), str(paper.factor), paper.max_degree
+        ('monomial', 'gram-schmidt', 13)
+        """
+        start = _PRESETS[choices.chosen("preset", preset, Preset)]
+        names = {field.name for field in fields(cls)}
+        for name in given:
+            if name not in names:
+                raise InvalidOptionsError(f"there is no option {name}", (name,))
+        return cls(**{**start, **given})
+
     def __post_init__(self) -> None:
-        """Check every value that does not depend on the data."""
+        """Check every value that does not depend on the data, and take names as members."""
+        for name, kind in _CHOICES.items():
+            object.__setattr__(self, name, choices.chosen(name, getattr(self, name), kind))
+        if self.collinear is not None:
+            object.__setattr__(self, "collinear", choices.chosen("collinear", self.collinear, Collinear))
         if self.max_degree is not None:
-            _integer("max_degree", self.max_degree, 1, max(HIGHEST_DEGREE.values()))
-        _number("layer_distance", self.layer_distance, 0.0, 0.3, open_below=True)
-        _number("t1", self.t1, 0.0, float("inf"))
-        _number("t2", self.t2, -1.0, 1.0)
-        _number("collinear_tol", self.collinear_tol, 0.0, 1.0)
-        _integer("neighbours", self.neighbours, 3, 100)
-        if self.basis not in tuple(Basis):
-            raise InvalidOptionsError(f"basis must be monomial or chebyshev, not {self.basis!r}", ("basis",))
+            integer("max_degree", self.max_degree, 1, max(HIGHEST_DEGREE.values()))
+        number("layer_distance", self.layer_distance, 0.0, 0.3, open_below=True)
+        number("gradient_weight", self.gradient_weight, 0.0, 100.0, open_below=True)
+        number("t1", self.t1, 0.0, float("inf"))
+        number("t2", self.t2, -1.0, 1.0)
+        number("collinear_tol", self.collinear_tol, 0.0, 1.0)
+        number("ridge_strength", self.ridge_strength, 0.0, 1e6, open_below=True)
+        integer("neighbours", self.neighbours, 3, 100)
+        self._check_together()
+
+    def _check_together(self) -> None:
+        """Refuse what contradicts itself."""
+        if self.constraints is Constraints.TAUBIN and self.ridge is not Ridge.NONE:
+            raise InvalidOptionsError("ridge needs a right-hand side, and taubin has none", ("ridge",))
+        if self.constraints is Constraints.TAUBIN and self.criterion not in {Criterion.DISTANCE, Criterion.NONE}:
+            raise InvalidOptionsError(
+                f"criterion {self.criterion} needs a least-squares fit, and taubin is an eigenvector", ("criterion",)
+            )
+        if self.collinear is not None and (self.collinear is Collinear.RIDGE) != (self.ridge is Ridge.SELECTIVE):
+            raise InvalidOptionsError(
+                f"collinear is ridge exactly when ridge is selective, not {self.collinear} with ridge {self.ridge}",
+                ("collinear",),
+            )
+
+    @property
+    def on_collinear(self) -> Collinear:
+        """Return what becomes of collinear columns, the default filled in."""
+        if self.collinear is not None:
+            return self.collinear
+        return Collinear.RIDGE if self.ridge is Ridge.SELECTIVE else Collinear.DROP
 
     def degree_cap(self, dimension: int) -> int:
         """Return the last degree to try on points of this dimension.
@@ -82,19 +180,3 @@ class FitOptions:
     def to_dict(self) -> dict[str, Any]:
         """Return every option by name, ready for JSON."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
-
-
-def _integer(name: str, value: object, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
-        raise InvalidOptionsError(f"{name} must be an integer from {low} to {high}, not {value!r}", (name,))
-
-
-def _number(name: str, value: object, low: float, high: float, *, open_below: bool = False) -> None:
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, float))
-        or not low <= value <= high
-        or (open_below and value == low)
-    ):
-        bracket = "more than" if open_below else "at least"
-        raise InvalidOptionsError(f"{name} must be a number {bracket} {low} and at most {high}, not {value!r}", (name,))

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from ipcore import winding
+from ipcore import monomials, winding
 from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 from ipcore.frame import Frame
@@ -54,10 +54,15 @@ class OrientedPoints:
         bounds = np.stack([x.min(axis=0) - MARGIN, x.max(axis=0) + MARGIN])
         return cls(x, normals, frame, bounds, source, given.planar)
 
-    def polynomial(self, degree: int, coefficients: FloatArray) -> ImplicitPolynomial:
-        """Return the polynomial with these Chebyshev coefficients on the bounds, in the normalised frame."""
+    def polynomial(self, degree: int, coefficients: FloatArray, basis: Basis) -> ImplicitPolynomial:
+        """Return the polynomial with these coefficients in this basis, in the normalised frame.
+
+        Coefficients of the last form may be missing at the end, and are 0 then.
+        """
         frame = Frame(np.zeros(self.points.shape[1]), 1.0)
-        return ImplicitPolynomial(degree, coefficients, frame, self.bounds, Basis.CHEBYSHEV)
+        a = np.zeros(monomials.count(self.points.shape[1], degree))
+        a[: len(coefficients)] = coefficients
+        return ImplicitPolynomial(degree, a, frame, self.bounds, basis)
 
     def to_raw(self, polynomial: ImplicitPolynomial) -> ImplicitPolynomial:
         """Return a polynomial of the normalised frame in raw coordinates: the coefficients stay as they are."""

@@ -1,5 +1,6 @@
 """The implicit polynomial f(x) = 0, in the caller's coordinates."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -8,7 +9,7 @@ import numpy as np
 
 from ipcore import basis as univariate
 from ipcore import contraction, monomials
-from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore._typing import BoolArray, ExtendedArray, FloatArray, IntArray
 from ipcore.basis import Basis
 from ipcore.errors import InvalidPointsError, InvalidPolynomialError
 from ipcore.frame import Frame
@@ -137,12 +138,13 @@ class ImplicitPolynomial:
         """
         if self.basis is Basis.MONOMIAL:
             return self
-        middle, half = self._axes
-        slopes, offsets = self.frame.scale / half, (self.frame.centre - middle) / half
-        matrices = [univariate.chebyshev_to_powers(self.degree, *line) for line in zip(slopes, offsets, strict=True)]
-        tensor = contraction.along_axes(self._tensor.astype(np.longdouble), matrices)
-        a = contraction.from_tensor(tensor, self.dimension, self.degree).astype(np.float64)
-        return type(self)(self.degree, a, self.frame, self.bounds, Basis.MONOMIAL)
+        return self._changed(univariate.chebyshev_to_powers, Basis.MONOMIAL)
+
+    def to_chebyshev(self) -> Self:
+        """Return the same polynomial in the Chebyshev basis of the bounds, computed as in `to_monomial`."""
+        if self.basis is Basis.CHEBYSHEV:
+            return self
+        return self._changed(univariate.powers_to_chebyshev, Basis.CHEBYSHEV)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain lists and numbers, ready for JSON; `from_dict` reads them back bit for bit."""
@@ -180,6 +182,15 @@ class ImplicitPolynomial:
         a = np.zeros(monomials.count(d, degree))
         np.add.at(a, monomials.column(powers), given)
         return cls(degree, a, frame, bounds, kind)
+
+    def _changed(self, change: Callable[[int, float, float], ExtendedArray], basis: Basis) -> Self:
+        """Return the polynomial in the other basis: t = slope·u + offset takes the frame to the box of T_k(t)."""
+        middle, half = (self.bounds[0] + self.bounds[1]) / 2.0, (self.bounds[1] - self.bounds[0]) / 2.0
+        slopes, offsets = self.frame.scale / half, (self.frame.centre - middle) / half
+        matrices = [change(self.degree, *line) for line in zip(slopes, offsets, strict=True)]
+        tensor = contraction.along_axes(self._tensor.astype(np.longdouble), matrices)
+        a = contraction.from_tensor(tensor, self.dimension, self.degree).astype(np.float64)
+        return type(self)(self.degree, a, self.frame, self.bounds, basis)
 
     @cached_property
     def _tensor(self) -> FloatArray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ipcore._typing import FloatArray
 from ipcore.basis import Basis
+from ipcore.boundedness import is_bounded
 from ipcore.criteria import Closeness
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
@@ -19,6 +20,10 @@ DELIVERY_TOLERANCE = 1e-8
 # the truth with rank correlation 0.9, and correctly oriented closed shapes lay above.
 TRUSTED_NORMALS = 0.9
 QUIET = 0.001
+# Relative error of the solution that lost orthogonality may cause before a warning says so.
+LOST = 1e-3
+# Ends that are what the caller asked for, and need no warning.
+AS_ASKED = {StopReason.CRITERION_MET, StopReason.CRITERION_MINIMUM, StopReason.DEGREE_REACHED}
 # Grid points along the longest axis of the bounds when the zero set is only measured.
 SURVEY_RESOLUTION = {2: 240, 3: 88}
 
@@ -32,9 +37,15 @@ class Diagnosis:
     warnings: tuple[str, ...]
 
 
-def diagnose(best: ImplicitPolynomial, data: OrientedPoints, options: FitOptions, reason: StopReason) -> Diagnosis:
+def diagnose(
+    best: ImplicitPolynomial,
+    data: OrientedPoints,
+    options: FitOptions,
+    reason: StopReason,
+    orthogonality_loss: float | None,
+) -> Diagnosis:
     """Deliver a polynomial of the normalised frame: change basis and coordinates, and measure what comes out."""
-    local = best.to_monomial() if options.basis is Basis.MONOMIAL else best
+    local = best.to_monomial() if options.basis is Basis.MONOMIAL else best.to_chebyshev()
     f, gradient = local.value_and_gradient(data.points)
     at = Closeness.of(f, gradient, data.normals)
     stray, components = _survey(local, data) if options.measure_zero_set else (None, None)
@@ -47,6 +58,8 @@ def diagnose(best: ImplicitPolynomial, data: OrientedPoints, options: FitOptions
         components,
         data.source,
         data.self_check(),
+        is_bounded(best),
+        orthogonality_loss,
     )
     moved = _moved(best, f, gradient, data.points)
     return Diagnosis(data.to_raw(local), diagnostics, tuple(_warnings(diagnostics, reason, moved)))
@@ -66,7 +79,7 @@ def _moved(fitted: ImplicitPolynomial, f: FloatArray, gradient: FloatArray, poin
 
 
 def _warnings(diagnostics: Diagnostics, reason: StopReason, moved: float) -> list[str]:
-    warnings = [] if reason is StopReason.CRITERION_MET else [reason.advice]
+    warnings = [] if reason in AS_ASKED else [reason.advice]
     if diagnostics.normal_self_check < TRUSTED_NORMALS:
         warnings.append(
             f"Only {diagnostics.normal_self_check:.0%} of the normals agree with the inside that all of them describe: "
@@ -76,6 +89,11 @@ def _warnings(diagnostics: Diagnostics, reason: StopReason, moved: float) -> lis
         warnings.append(
             f"{diagnostics.stray:.1%} of the zero set within the bounds lies away from all data; a mesh restricted to "
             "the data leaves it out, the sign of f does not."
+        )
+    if (diagnostics.orthogonality_loss or 0.0) > LOST:
+        warnings.append(
+            f"Eq. (5) has lost orthogonality, ‖QᵀQ − I‖ = {diagnostics.orthogonality_loss:.1e}: the coefficients are "
+            "not those of least squares. The block factorisation does not lose it."
         )
     if moved > DELIVERY_TOLERANCE:
         warnings.append(

@@ -16,6 +16,8 @@ class StopReason(StrEnum):
     MAX_DEGREE = "max-degree"
     TOO_FEW_POINTS = "too-few-points"
     PLANAR = "planar"
+    CRITERION_MINIMUM = "criterion-minimum"
+    DEGREE_REACHED = "degree-reached"
 
     @property
     def advice(self) -> str:
@@ -25,22 +27,24 @@ class StopReason(StrEnum):
 
 _ADVICE = {
     StopReason.CRITERION_MET: "The fit is as close and as smooth as was asked for.",
-    StopReason.MAX_DEGREE: "No degree up to max_degree was close and smooth enough, and the best one is returned: "
-    "raise max_degree, or on noisy data raise t1 to about the noise.",
+    StopReason.MAX_DEGREE: "No degree up to max_degree met the criterion, and the best one is returned: raise "
+    "max_degree, or on noisy data raise t1 to about the noise or take another criterion, gcv say.",
     StopReason.TOO_FEW_POINTS: "The next degree has more coefficients than there are points, and the best fit so far "
     "is returned: give more points, or raise t1.",
     StopReason.PLANAR: "All points lie on one plane: degree 1 represents it, and no higher degree is determined.",
+    StopReason.CRITERION_MINIMUM: "The criterion has passed its minimum, and the fit at the minimum is returned.",
+    StopReason.DEGREE_REACHED: "The degree that was asked for is reached.",
 }
 
 
 @dataclass(frozen=True)
 class Step:
-    """One degree of the search.
+    """One fit of the search: at a complete degree, or at one column α = columns + dropped.
 
     Attributes
     ----------
     degree
-        The total degree n.
+        The total degree n, or that in which the column lies.
     columns
         How many coefficients the fit has.
     dropped
@@ -50,11 +54,19 @@ class Step:
     rss
         Residual sum of squares of M a = b, in squared mean radii.
     gcv
-        Generalised cross-validation, rows · rss / (rows − columns)².
+        Generalised cross-validation, rows · rss / (rows − k)², k the degrees of freedom: columns, or less if ridged.
     condition
         Estimated 1-norm condition of R with columns scaled to length 1, in the basis the fit works in.
     seconds
-        Wall-clock time that this degree took.
+        Wall-clock time that this step took.
+    ridged
+        How many of the columns are damped by ridge regression.
+    bic
+        Schwarz' criterion; None unless it was asked for.
+    loo
+        Mean squared error of the rows of points left out one by one, in squared mean radii; None unless asked for.
+    diagonal_ratio
+        max |r_ii| / min |r_ii|, by which the paper judges the condition (section 5.1): only a lower bound of it.
 
     """
 
@@ -67,6 +79,15 @@ class Step:
     gcv: float
     condition: float
     seconds: float
+    ridged: int = 0
+    bic: float | None = None
+    loo: float | None = None
+    diagonal_ratio: float | None = None
+
+    @property
+    def alpha(self) -> int:
+        """Return α, how many columns of Table 1 were tried so far."""
+        return self.columns + self.dropped
 
 
 @dataclass(frozen=True)
@@ -88,6 +109,10 @@ class Diagnostics:
     normal_self_check
         Share of points whose normal has the inside behind it and the outside before it, by the winding number of all.
         It tells outward from inward, and falls for open surfaces and for wrongly oriented normals.
+    bounded
+        Whether the leading form is definite: then the degree is even and no part of the zero set runs to infinity.
+    orthogonality_loss
+        ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None where another factorisation keeps it.
 
     """
 
@@ -99,6 +124,8 @@ class Diagnostics:
     components: int | None
     normal_source: NormalSource
     normal_self_check: float
+    bounded: bool | None = None
+    orthogonality_loss: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +139,7 @@ class FitResult:
     stop_reason
         Why the search ended; `stop_reason.advice` says what to do about it.
     steps
-        Every degree that was tried, in order.
+        Every degree or column that was tried, in order.
     diagnostics
         The answer seen from the data, and its zero set.
     warnings

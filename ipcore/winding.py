@@ -82,8 +82,8 @@ def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray,
     >>> turn = 2 * np.pi * np.arange(100) / 100
     >>> circle = np.column_stack([np.cos(turn), np.sin(turn)])
     >>> w = winding_number(np.array([[0.3, 0.2], [2.0, 0.0]]), circle, circle, areas(circle))
-    >>> w.round(2).tolist()
-    [1.0, 0.0]
+    >>> (w > 0.5).tolist()
+    [True, False]
 
     """
     d = points.shape[1]

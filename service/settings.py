@@ -28,7 +28,7 @@ class Settings(BaseSettings):
     max_system_bytes: int = Field(
         4 * 2**30,
         ge=2**20,
-        description="Largest linear system that a fit may build, in bytes: 24 · points · coefficients.",
+        description="Largest linear system that a fit may build, in bytes: 8 · points · equations each · coefficients.",
     )
     max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis for a 2D zero set.")
     max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis for a 3D zero set.")

@@ -1,18 +1,20 @@
-r"""The 3L constraints (Blane, Lei, Civi and Cooper, PAMI 2000): f is to be 0 on the data and ±c on two offset layers.
+r"""The 3L constraints (Blane, Lei and Cooper, PAMI 2000): f is asked for on the data and on two layers beside it.
 
-    rows at x_i, x_i + c n_i, x_i − c n_i    with b = 0, +c, −c
+    f(x_i) = 0,    f(x_i + c n_i) = +c,    f(x_i − c n_i) = −c
 
 with n_i the unit outward normal, so that f grows outward with ‖∇f‖ ≈ 1 and is negative inside. Any other pair ±b gives
 the same zero set; ±c makes f a distance near the data.
+
+A noise-free algebraic shape is not reproduced: its own polynomial is 0 on the data, but not +c and −c all along the
+other two layers, unless it is a plane. 3L buys a stable sign with this bias; Taubin's fit is without it.
 """
 
-import numpy as np
-
 from ipcore._typing import FloatArray
+from ipcore.constraints.rows import Rows, layers
 
 
-def layers(points: FloatArray, normals: FloatArray, distance: float) -> tuple[FloatArray, FloatArray]:
-    """Return where f is asked for, and what it is to be there.
+def rows(points: FloatArray, normals: FloatArray, distance: float) -> Rows:
+    """Return the rows of three layers.
 
     Parameters
     ----------
@@ -21,17 +23,12 @@ def layers(points: FloatArray, normals: FloatArray, distance: float) -> tuple[Fl
     distance
         c, in mean radii.
 
-    Returns
-    -------
-        Positions (3N, d) and right-hand side b (3N,).
-
     Examples
     --------
-    >>> positions, b = layers(np.array([[1.0, 0.0]]), np.array([[1.0, 0.0]]), 0.05)
-    >>> positions.tolist(), b.tolist()
-    ([[1.0, 0.0], [1.05, 0.0], [0.95, 0.0]], [0.0, 0.05, -0.05])
+    >>> import numpy as np
+    >>> three = rows(np.array([[1.0, 0.0]]), np.array([[1.0, 0.0]]), 0.05)
+    >>> [group.positions.tolist() for group in three.groups], three.b(1).tolist()
+    ([[[1.0, 0.0]], [[1.05, 0.0]], [[0.95, 0.0]]], [0.0, 0.05, -0.05])
 
     """
-    offset = distance * normals
-    positions = np.concatenate([points, points + offset, points - offset])
-    return positions, np.repeat([0.0, distance, -distance], len(points))
+    return Rows(layers(points, normals, (0.0, distance, -distance)))

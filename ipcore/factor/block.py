@@ -10,55 +10,24 @@ rows × columns.
 """
 
 import numpy as np
-from scipy.linalg import lapack, solve_triangular
 
 from ipcore._typing import BoolArray, FloatArray
+from ipcore.choices import Collinear
+from ipcore.factor.interface import Factorisation
 
 
-class BlockGramSchmidt:
-    """The factorisation of a growing matrix, and the least-squares solution with each of its prefixes.
+class BlockGramSchmidt(Factorisation):
+    """M = QR by blocks of columns, with Q orthonormal to rounding whatever the condition of M."""
 
-    Attributes
-    ----------
-    R
-        (k, k), upper triangular: the factor of the k columns that were kept.
-    rhs
-        (k,), b̃ = Qᵀb.
-    kept
-        (m,), which of the m columns appended so far were kept.
-
-    """
-
-    def __init__(self, b: FloatArray, tolerance: float) -> None:
-        """Start without columns.
-
-        Parameters
-        ----------
-        b
-            (rows,), the right-hand side.
-        tolerance
-            Column i is collinear, and left out, when |r_ii| ≤ tolerance · ‖c_i‖.
-
-        """
-        self.R: FloatArray = np.zeros((0, 0))
-        self.rhs: FloatArray = np.zeros(0)
-        self.kept: BoolArray = np.zeros(0, dtype=np.bool_)
-        self._tolerance = tolerance
-        self._blocks: list[FloatArray] = []
-        self._residual = b.copy()
-
-    @property
-    def rss(self) -> float:
-        """Return the residual sum of squares ‖M a − b‖² of the solution, kept as a vector so that no digits cancel."""
-        return float(self._residual @ self._residual)
-
-    def append(self, columns: FloatArray) -> BoolArray:
-        """Append columns C (rows, k), and return which of them were kept, (k,)."""
-        sizes = np.linalg.norm(columns, axis=0)
-        S, W = self._project(columns)
+    def append(self, columns: FloatArray, damping: FloatArray | None = None) -> BoolArray:
+        """Append columns C (rows, k) with their κ d (k,), and return which of them were kept, (k,)."""
+        C = self._with_room(columns)
+        S, W = self._project(C)
         Q1, R1 = np.linalg.qr(W)
-        kept = _independent(R1, self._tolerance * sizes)
-        if not kept.all():
+        kept, damped = self._judge(R1, np.linalg.norm(columns, axis=0))
+        if damping is not None:
+            self._damp(W, damping, damped)
+        if damped.any() or not kept.all():
             S = S[:, kept]
             Q1, R1 = np.linalg.qr(W[:, kept])
         if kept.any():
@@ -68,38 +37,30 @@ class BlockGramSchmidt:
         self.kept = np.concatenate([self.kept, kept])
         return kept
 
-    def solve(self) -> FloatArray:
-        """Return a (m,), the least-squares solution of M a = b, zero for columns that were left out."""
-        a = np.zeros(len(self.kept))
-        if len(self.rhs):
-            a[self.kept] = solve_triangular(self.R, self.rhs, check_finite=False)
-        return a
+    def _judge(self, R: FloatArray, sizes: FloatArray) -> tuple[BoolArray, BoolArray]:
+        """Return which columns to keep and which to damp."""
+        policy = self._policy
+        new = _independent(R, (0.0 if policy.collinear is Collinear.KEEP else policy.tolerance) * sizes)
+        kept = np.ones_like(new) if policy.collinear is Collinear.RIDGE else new
+        damped = kept if policy.full else kept & ~new
+        return kept, damped
 
-    def condition(self) -> float:
-        """Return an estimate of κ₁ of R with its columns scaled to length 1 (LAPACK's trcon), good to a factor of 3."""
-        if not len(self.R):
-            return 1.0
-        rcond, _ = lapack.dtrcon(self.R / np.linalg.norm(self.R, axis=0))
-        return float(1.0 / rcond) if rcond > 0.0 else float("inf")
+    def _with_room(self, C: FloatArray) -> FloatArray:
+        """Return C with rows of zeros for the ridge below it, if there can be any."""
+        room = len(self._b) - self._rows
+        return np.pad(C, ((0, room), (0, 0))) if room else C
 
     def _project(self, C: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return S = QᵀC and C − QS."""
-        if not self._blocks:
+        blocks = self._Q.blocks()
+        if not blocks:
             return np.zeros((0, C.shape[1])), C
-        S = np.vstack([Q.T @ C for Q in self._blocks])
+        S = np.vstack([Q.T @ C for Q in blocks])
         W, row = np.array(C, order="F"), 0
-        for Q in self._blocks:
+        for Q in blocks:
             W -= Q @ S[row : row + Q.shape[1]]
             row += Q.shape[1]
         return S, W
-
-    def _grow(self, Q: FloatArray, above: FloatArray, corner: FloatArray) -> None:
-        """Add the columns Q, the last columns of R and the last entries of b̃."""
-        self.R = np.block([[self.R, above], [np.zeros((Q.shape[1], len(self.R))), corner]])
-        last = Q.T @ self._residual
-        self._residual -= Q @ last
-        self.rhs = np.concatenate([self.rhs, last])
-        self._blocks.append(Q)
 
 
 def _independent(R: FloatArray, smallest: FloatArray) -> BoolArray:

@@ -11,6 +11,16 @@ from service.jobs.fit import PointSet
 DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
 
 
+def rows_per_point(constraints: str, dimension: int) -> int:
+    """Return how many equations a family of constraints has per point: layers, and components of the gradient.
+
+    >>> rows_per_point("3l+gradient", 3)
+    6
+    """
+    layers = {"3l": 3, "5l": 5, "3l+gradient": 3}.get(constraints, 1)
+    return layers if constraints in {"3l", "5l"} else layers + dimension
+
+
 @dataclass(frozen=True)
 class Limits:
     """What one request may ask for.
@@ -22,7 +32,7 @@ class Limits:
     max_degree, resolution
         Highest, by dimension.
     system_bytes
-        Largest linear system: 3 rows of doubles per point, a column per coefficient.
+        Largest linear system: doubles, a row per equation, a column per coefficient.
     wait
         Longest wait, in seconds.
 
@@ -52,7 +62,8 @@ class Limits:
                 f"max_degree may be at most {highest} for {d}D points here, not {asked}", ("options", "max_degree")
             )
         degree = asked if asked is not None else min(DEFAULT_MAX_DEGREE[d], highest)
-        size = 24 * points.points * min(comb(degree + d, d), points.points)
+        rows = points.points * rows_per_point(options.get("constraints", "3l"), d)
+        size = 8 * rows * min(comb(degree + d, d), points.points)
         if size > self.system_bytes:
             raise TooLargeError(
                 f"{points.points} points up to degree {degree} make a system of {size} bytes; {self.system_bytes} are "

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
+from service.api.options import FitOptions
 from service.api.problems import Problem
 
 Row = Annotated[list[float], Field(min_length=2, max_length=6)]
@@ -19,35 +20,6 @@ _OCTAHEDRON: JsonValue = [
     [0.577, 0.577, 0.577], [-0.577, 0.577, 0.577], [0.577, -0.577, 0.577], [0.577, 0.577, -0.577],
     [-0.577, -0.577, 0.577], [-0.577, 0.577, -0.577], [0.577, -0.577, -0.577], [-0.577, -0.577, -0.577],
 ]  # fmt: skip
-
-
-class FitOptions(BaseModel):
-    """The options of a fit. Distances are in mean radii: the mean distance of the points from their centroid."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    max_degree: int | None = Field(
-        None, ge=1, le=40, description="Last degree to try: 1 … 40 in 2D (default 20), 1 … 20 in 3D (default 16)."
-    )
-    layer_distance: float = Field(
-        0.05, gt=0, le=0.3, description="Distance of the two outer layers of the 3L constraints, in mean radii."
-    )
-    t1: float = Field(0.01, ge=0, allow_inf_nan=False, description="Close enough when D_dist < t1, in mean radii.")
-    t2: float = Field(0.95, ge=-1, le=1, description="Smooth enough when D_smooth > t2, a mean cosine.")
-    collinear_tol: float = Field(
-        1e-10, ge=0, le=1, description="A column is dropped when at most this share of its length is new."
-    )
-    neighbours: int = Field(
-        12, ge=3, le=100, description="Neighbours that estimate a normal, when no normals are given."
-    )
-    basis: Literal["monomial", "chebyshev"] = Field(
-        "monomial",
-        description="What the coefficients multiply: powers of (x − centre)/scale, or products of Chebyshev "
-        "polynomials on the bounds, which keep more digits at high degree.",
-    )
-    measure_zero_set: bool = Field(
-        default=True, description="Whether to report the zero set's stray share and number of components."
-    )
 
 
 class PackedArray(BaseModel):
@@ -108,7 +80,7 @@ class Polynomial(BaseModel):
 
 
 class Step(BaseModel):
-    """One degree of the search."""
+    """One fit of the search: at a degree or, with `granularity=monomial`, at a column of it."""
 
     degree: int = Field(description="Total degree.")
     columns: int = Field(description="Coefficients in use.")
@@ -119,6 +91,14 @@ class Step(BaseModel):
     gcv: float | None = Field(description="Generalised cross-validation; null where there are no rows to spare.")
     condition: float | None = Field(description="Estimated condition of the scaled system; null if singular.")
     seconds: float = Field(description="Wall-clock seconds.")
+    ridged: int = Field(description="Coefficients damped by ridge regression.")
+    bic: float | None = Field(description="Schwarz' criterion; null unless it was asked for.")
+    loo: float | None = Field(
+        description="Mean squared error at points left out one by one, in squared mean radii; null unless asked for."
+    )
+    diagonal_ratio: float | None = Field(
+        description="max |r_ii| / min |r_ii|, the paper's measure: a lower bound of the condition."
+    )
 
 
 class Diagnostics(BaseModel):
@@ -136,6 +116,12 @@ class Diagnostics(BaseModel):
     normal_source: Literal["given", "outline", "estimated"] = Field(description="Where the normals came from.")
     normal_self_check: float = Field(
         description="Share of points whose normal agrees with the inside that all normals describe, 0 … 1."
+    )
+    bounded: bool | None = Field(
+        description="Whether the leading form is definite, so that no part of the zero set runs to infinity."
+    )
+    orthogonality_loss: float | None = Field(
+        description="‖QᵀQ − I‖₂ of the paper's eq. (5); null where another factorisation keeps it at rounding."
     )
 
 
@@ -162,10 +148,10 @@ class FitResource(BaseModel):
     progress: list[Step] = Field(default_factory=list, description="The degrees tried so far, while it is running.")
     problem: Problem | None = Field(None, description="Why it failed.")
     polynomial: Polynomial | None = Field(None, description="The answer.")
-    stop_reason: Literal["criterion-met", "max-degree", "too-few-points", "planar"] | None = Field(
-        None, description="Why no higher degree was tried."
-    )
-    steps: list[Step] | None = Field(None, description="Every degree that was tried.")
+    stop_reason: (
+        Literal["criterion-met", "criterion-minimum", "degree-reached", "max-degree", "too-few-points", "planar"] | None
+    ) = Field(None, description="Why no higher degree was tried.")
+    steps: list[Step] | None = Field(None, description="Every degree, or column, that was tried.")
     diagnostics: Diagnostics | None = Field(None, description="How good the answer is.")
     warnings: list[str] | None = Field(None, description="What a careful user should know.")
     engine: Engine | None = Field(None, description="What made the answer.")

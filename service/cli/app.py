@@ -10,5 +10,5 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Implicit polynomials from point sets, of the degree they need.",
 )
-for command in (fit.fit, server.serve, server.openapi, server.settings, server.healthcheck):
+for command in (fit.fit, server.serve, server.openapi, server.settings, server.options, server.healthcheck):
     app.command()(command)

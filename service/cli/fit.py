@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import orjson
 import typer
@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 import ipcore
+from service.cli.options import with_fit_options
 from service.formats import files, picture, point_sets
 from service.formats.zero_sets import WRITERS
 from service.jobs.drawing import FILES
@@ -20,7 +21,8 @@ from service.jobs.fit import PointSet
 MAX_POINTS = 10_000_000
 
 
-def fit(  # noqa: PLR0913, PLR0917 - one option each
+@with_fit_options
+def fit(  # noqa: PLR0913 - one option each
     file: Annotated[
         Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
     ],
@@ -29,29 +31,13 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
-    max_degree: Annotated[
-        int | None, typer.Option(help="Last degree to try; 20 in 2D and 16 in 3D by default.")
-    ] = None,
-    layer_distance: Annotated[float, typer.Option(help="Distance of the two outer layers, in mean radii.")] = 0.05,
-    t1: Annotated[float, typer.Option(help="Close enough when D_dist is below this, in mean radii.")] = 0.01,
-    t2: Annotated[float, typer.Option(help="Smooth enough when D_smooth is above this.")] = 0.95,
-    collinear_tol: Annotated[float, typer.Option(help="A column is dropped when no more of it is new.")] = 1e-10,
-    neighbours: Annotated[int, typer.Option(help="Neighbours that estimate a normal.")] = 12,
-    basis: Annotated[ipcore.Basis, typer.Option(help="What the coefficients multiply.")] = ipcore.Basis.MONOMIAL,
     resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
+    *,
+    options: dict[str, Any],
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
-        options = ipcore.FitOptions(
-            max_degree=max_degree,
-            layer_distance=layer_distance,
-            t1=t1,
-            t2=t2,
-            collinear_tol=collinear_tol,
-            neighbours=neighbours,
-            basis=basis,
-        )
-        _run(file, options, {"mesh": mesh, "plot": plot, "output": output}, resolution)
+        _run(file, ipcore.FitOptions.of(**options), {"mesh": mesh, "plot": plot, "output": output}, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error

@@ -14,6 +14,7 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
+from service.api.options import table as fit_options
 from service.bootstrap import embedded, stop
 from service.settings import Settings, table
 
@@ -56,6 +57,11 @@ def openapi() -> None:
 def settings() -> None:
     """Print every setting as a Markdown table: environment variable, default, meaning."""
     typer.echo(table())
+
+
+def options() -> None:
+    """Print every option of a fit as a Markdown table: name, values, default, meaning."""
+    typer.echo(fit_options())
 
 
 def healthcheck() -> None:

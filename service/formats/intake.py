@@ -3,8 +3,11 @@
 import asyncio
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import ipcore
 from service.formats import point_sets
+from service.jobs.errors import InvalidInputError
 from service.jobs.fit import PointSet
 from service.jobs.ports import Workers
 
@@ -34,3 +37,10 @@ class Intake:
             return await asyncio.to_thread(point_sets.read, body, kind, self.max_points)
         points: PointSet = await self.workers.run(point_sets.read, body, kind, self.max_points, deadline=self.deadline)
         return points
+
+    def check(self, dimension: int, options: dict[str, Any]) -> None:
+        """Refuse options that contradict each other."""
+        try:
+            ipcore.FitOptions.of(**options).degree_cap(dimension)
+        except ipcore.InvalidOptionsError as error:
+            raise InvalidInputError(str(error), ("options", *error.at)) from error

@@ -31,6 +31,16 @@ class Reader(Protocol):
 
         """
 
+    def check(self, dimension: int, options: dict[str, Any]) -> None:
+        """Refuse options that cannot be meant, alone or together.
+
+        Raises
+        ------
+        InvalidInputError
+            If there are any; `at` names one.
+
+        """
+
 
 class Draughtsman(Protocol):
     """Draws zero sets."""
@@ -59,10 +69,13 @@ class FitDesk:
 
         Raises
         ------
+        InvalidInputError
+            If the options cannot be meant.
         NotReadyError, ShuttingDownError
             If it cannot be stored, or the server is about to stop.
 
         """
+        self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
         try:
             async with self._tidy:

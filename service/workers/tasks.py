@@ -16,6 +16,6 @@ def fit(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any]) -> 
     """Fit a stored point set and return the answer as JSON; every degree is reported as it is made."""
     table = np.load(BytesIO(blobs.get(key)), allow_pickle=False)
     normals = table[:, dimension:] if table.shape[1] > dimension else None
-    chosen = ipcore.FitOptions(**options)
+    chosen = ipcore.FitOptions.of(**options)
     result = ipcore.fit(table[:, :dimension], normals, chosen, progress=lambda step: report(asdict(step)))
     return orjson.dumps(result.to_dict())

@@ -42,3 +42,12 @@ def test_change_of_basis_reproduces_the_function() -> None:
     growth = np.abs(K).sum(axis=0).astype(float)  # what rounding the powers' coefficients to doubles can cost
     error = np.abs(K.T.astype(float) @ powers - direct).max(axis=1)
     assert (error <= 8.0 * np.finfo(float).eps * growth).all()
+
+
+def test_the_changes_of_basis_are_each_others_inverse() -> None:
+    slope, offset, degree = 0.6, 0.25, 20
+    K, L = basis.chebyshev_to_powers(degree, slope, offset), basis.powers_to_chebyshev(degree, slope, offset)
+    size = np.abs(K).astype(float) @ np.abs(L).astype(float)
+    error = np.abs((K @ L).astype(float) - np.eye(degree + 1))
+    assert (error <= 100.0 * np.finfo(float).eps * np.maximum(size, 1.0)).all()
+    assert np.array_equal(np.tril(L, -1), np.zeros_like(L))

@@ -5,6 +5,7 @@ from ipcore import basis, monomials
 from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 from ipcore.factor.block import BlockGramSchmidt
+from ipcore.factor.interface import Policy
 
 EPS = np.finfo(float).eps
 
@@ -20,7 +21,7 @@ def monomial_system(degree: int) -> tuple[FloatArray, FloatArray, list[slice]]:
 
 
 def factored(M: FloatArray, b: FloatArray, blocks: list[slice], tolerance: float = 1e-13) -> BlockGramSchmidt:
-    factor = BlockGramSchmidt(b, tolerance)
+    factor = BlockGramSchmidt(b, Policy(tolerance))
     for block in blocks:
         factor.append(M[:, block])
     return factor
@@ -29,7 +30,7 @@ def factored(M: FloatArray, b: FloatArray, blocks: list[slice], tolerance: float
 def test_q_is_orthonormal_to_rounding_where_one_pass_is_not() -> None:
     M, b, forms = monomial_system(14)
     factor = factored(M, b, forms)
-    Q = np.hstack(factor._blocks)  # noqa: SLF001 - Q itself is not part of the interface
+    Q = np.hstack(factor._Q.blocks())  # noqa: SLF001 - Q itself is not part of the interface
     assert np.linalg.norm(Q.T @ Q - np.eye(Q.shape[1]), 2) < 100 * EPS
     assert np.linalg.norm(Q @ factor.R - M, axis=0).max() < 100 * EPS * np.linalg.norm(M, axis=0).max()
     assert np.linalg.cond(M / np.linalg.norm(M, axis=0)) > 1e8  # so that the first line means something
@@ -37,7 +38,7 @@ def test_q_is_orthonormal_to_rounding_where_one_pass_is_not() -> None:
 
 def test_every_prefix_solves_its_own_least_squares_problem() -> None:
     M, b, forms = monomial_system(8)
-    factor = BlockGramSchmidt(b, 1e-13)
+    factor = BlockGramSchmidt(b, Policy(1e-13))
     for form in forms:
         factor.append(M[:, form])
         direct = np.linalg.lstsq(M[:, : form.stop], b)[0]
@@ -84,7 +85,7 @@ def test_condition_is_close_to_the_true_one_and_does_not_depend_on_units(scale: 
 
 
 def test_without_columns() -> None:
-    factor = BlockGramSchmidt(np.ones(4), 1e-10)
+    factor = BlockGramSchmidt(np.ones(4), Policy(1e-10))
     assert factor.condition() == 1.0
     assert factor.rss == 4.0
     assert not factor.append(np.zeros((4, 2))).any()

@@ -2,6 +2,8 @@ from typing import Any
 
 import pytest
 
+from ipcore.basis import Basis
+from ipcore.choices import Collinear, Constraints, Criterion
 from ipcore.errors import InvalidOptionsError
 from ipcore.options import FitOptions
 
@@ -22,6 +24,15 @@ from ipcore.options import FitOptions
         ("collinear_tol", -1.0),
         ("neighbours", 2),
         ("basis", "legendre"),
+        ("constraints", "4l"),
+        ("gradient_weight", 0.0),
+        ("criterion", "aic"),
+        ("granularity", "column"),
+        ("factor", "householder"),
+        ("collinear", "forget"),
+        ("ridge", True),
+        ("ridge_matrix", None),
+        ("ridge_strength", 0.0),
     ],
 )
 def test_a_wrong_value_is_refused_by_name(name: str, value: Any) -> None:  # noqa: ANN401 - wrong on purpose
@@ -36,3 +47,42 @@ def test_degree_cap_depends_on_the_dimension() -> None:
     assert FitOptions(max_degree=30).degree_cap(2) == 30
     with pytest.raises(InvalidOptionsError, match="at most 20 for 3D points, not 21"):
         FitOptions(max_degree=21).degree_cap(3)
+
+
+@pytest.mark.parametrize(
+    ("given", "at"),
+    [
+        ({"constraints": "taubin", "ridge": "full"}, "ridge"),
+        ({"constraints": "taubin", "criterion": "gcv"}, "criterion"),
+        ({"constraints": "taubin", "criterion": "loo"}, "criterion"),
+        ({"collinear": "ridge"}, "collinear"),
+        ({"collinear": "ridge", "ridge": "full"}, "collinear"),
+        ({"collinear": "drop", "ridge": "selective"}, "collinear"),
+        ({"preset": "journal"}, "preset"),
+        ({"degree": 4}, "degree"),
+    ],
+)
+def test_contradictions_and_unknown_names_are_refused(given: dict[str, Any], at: str) -> None:
+    with pytest.raises(InvalidOptionsError, match=at) as caught:
+        FitOptions.of(**given)
+    assert caught.value.at == (at,)
+
+
+def test_names_stand_for_members() -> None:
+    options = FitOptions.of(constraints="5l", criterion="loo", basis="chebyshev", ridge="selective")
+    assert options.constraints is Constraints.FIVE_LAYER
+    assert options.criterion is Criterion.LOO
+    assert options.basis is Basis.CHEBYSHEV
+    assert options.on_collinear is Collinear.RIDGE
+    assert FitOptions().on_collinear is Collinear.DROP
+    assert FitOptions(collinear="keep").on_collinear is Collinear.KEEP  # type: ignore[arg-type] # a name is taken
+
+
+def test_presets_are_where_options_start_from() -> None:
+    assert FitOptions.of() == FitOptions() == FitOptions.of("default")
+    paper = FitOptions.of("paper")
+    assert (paper.granularity, paper.factor, paper.ridge) == ("monomial", "gram-schmidt", "full")
+    assert (paper.layer_distance, paper.t1, paper.t2) == (0.05, 0.01, 0.95)
+    assert paper.on_collinear is Collinear.DROP
+    assert FitOptions.of("paper", ridge="none").ridge == "none"
+    assert FitOptions(**paper.to_dict()) == paper

@@ -124,7 +124,6 @@ def test_format_in_the_query_wins_over_the_content_type(client: httpx.Client) ->
     assert client.post("/v1/fits", content=npy(ellipse()), headers=headers).status_code == 415
 
 
-@pytest.mark.xfail(strict=True, reason="ipcore says nothing when degree 1 meets the criterion on a plane")
 def test_a_plane_is_fitted_by_degree_1_with_a_warning(client: httpx.Client) -> None:
     flat = np.random.default_rng(0).uniform(size=(50, 3)) * [1.0, 1.0, 0.0]
     fit = fitted(client, npy(flat))

@@ -49,11 +49,11 @@ def test_a_killed_worker_repeats_its_fit_and_no_other(own: Server) -> None:
 def test_a_fit_that_kills_its_workers_fails_and_the_next_succeeds(own: Server) -> None:
     fit = own.fit(LONG, HALF_A_MINUTE, "respond-async")
     for _ in range(2):
-        own.under_way(fit)
+        own.under_way(fit, degree=7)
         (victim,) = own.busy()
         kill(victim)
         until(partial(gone, victim))
-        until(lambda: own.look(fit)["status"] == "failed" or not own.look(fit)["progress"])
+        until(lambda: len(own.look(fit).get("progress", [])) < 7)  # it starts anew, or has failed
     ended = own.look(fit, wait=10)
     assert ended["status"] == "failed"
     assert ended["problem"]["type"] == "urn:ipfit:problem:worker-crashed"

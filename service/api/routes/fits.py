@@ -10,10 +10,11 @@ from pydantic import Field, ValidationError
 from service.api import body, negotiation
 from service.api.context import Context, Here
 from service.api.document import problem, reference
+from service.api.options import FitOptions
 from service.api.preferences import DEFAULT_WAIT, Preferences
 from service.api.problems import pointer
 from service.api.representation import fit_response
-from service.api.schemas import FitOptions, FitResource
+from service.api.schemas import FitResource
 from service.jobs.drawing import FILES, Drawing, FileKind
 from service.jobs.errors import InvalidInputError
 

@@ -1,0 +1,98 @@
+"""What can be chosen by name in `FitOptions`."""
+
+from enum import StrEnum
+from typing import TypeVar
+
+from ipcore.errors import InvalidOptionsError
+
+Choice = TypeVar("Choice", bound=StrEnum)
+
+
+def chosen(name: str, value: object, kind: type[Choice]) -> Choice:
+    """Return the member that a name stands for.
+
+    Raises
+    ------
+    InvalidOptionsError
+        If there is none; `at` is the option's name.
+
+    """
+    try:
+        return kind(value)  # type: ignore[arg-type] # whatever it is, a wrong one raises ValueError
+    except ValueError as error:
+        raise InvalidOptionsError(f"{name} must be {' or '.join(kind)}, not {value!r}", (name,)) from error
+
+
+class Preset(StrEnum):
+    """Where the options start from.
+
+    `default` is the fit that was found best by measurement. `paper` is Zheng, Takamatsu and Ikeuchi (ACCV 2007) to the
+    letter: column by column, eq. (5), rule (7) after every column, and the ridge of section 5.3.
+    """
+
+    DEFAULT = "default"
+    PAPER = "paper"
+
+
+class Constraints(StrEnum):
+    """Which equations the data give: one module of `ipcore.constraints` each, with its formula and source."""
+
+    THREE_LAYER = "3l"
+    FIVE_LAYER = "5l"
+    THREE_LAYER_GRADIENT = "3l+gradient"
+    GRADIENT_ONE = "gradient-one"
+    MIN_MAX = "min-max"
+    MIN_VAR = "min-var"
+    TAUBIN = "taubin"
+
+
+class Criterion(StrEnum):
+    """What ends the search.
+
+    `distance` is the paper's rule (7). `gcv`, `bic` and `loo` look for the minimum of generalised cross-validation, of
+    Schwarz' criterion, and of the mean squared error at points left out one by one. `none` goes on to `max_degree`.
+    """
+
+    DISTANCE = "distance"
+    GCV = "gcv"
+    BIC = "bic"
+    LOO = "loo"
+    NONE = "none"
+
+
+class Granularity(StrEnum):
+    """Where the search may stop: at complete degrees, which no rotation changes, or at every column as in the paper."""
+
+    FORM = "form"
+    MONOMIAL = "monomial"
+
+
+class Factor(StrEnum):
+    """How M = QR is computed: block Gram–Schmidt done twice, or the paper's eq. (5) as printed; `auto` is the block."""
+
+    AUTO = "auto"
+    BLOCK = "block"
+    GRAM_SCHMIDT = "gram-schmidt"
+
+
+class Collinear(StrEnum):
+    """What becomes of a column that earlier ones explain: left out (section 5.2), ridged, or kept all the same."""
+
+    DROP = "drop"
+    RIDGE = "ridge"
+    KEEP = "keep"
+
+
+class Ridge(StrEnum):
+    """Which columns ridge regression damps: none, every one (eq. 8), or only those found collinear."""
+
+    NONE = "none"
+    FULL = "full"
+    SELECTIVE = "selective"
+
+
+class RidgeMatrix(StrEnum):
+    """D in eq. (8): the appendix's, which no rotation changes, or the identity."""
+
+    INVARIANT = "invariant"
+    IDENTITY = "identity"

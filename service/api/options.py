@@ -1,0 +1,153 @@
+"""The options of a fit, as JSON, as query parameters, on the command line and in the README: said once, here.
+
+Each says what it is for, when to change it and what that costs. Whether they fit each other is for the library to say.
+"""
+
+from typing import Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
+
+Constraints = Literal["3l", "5l", "3l+gradient", "gradient-one", "min-max", "min-var", "taubin"]
+
+
+class FitOptions(BaseModel):
+    """The options of a fit. Distances are in mean radii: the mean distance of the points from their centroid."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    preset: Literal["default", "paper"] = Field(
+        "default",
+        description="Which defaults the other options have. `paper` is the algorithm of 2007 to the letter: column by "
+        "column, eq. (5), collinear columns dropped, ridge of eq. (8). Take it to compare with the literature; it "
+        "loses orthogonality at high degree and is many times slower.",
+    )
+    max_degree: int | None = Field(
+        None,
+        ge=1,
+        le=40,
+        description="Last degree to try: 1 … 40 in 2D (default 20), 1 … 20 in 3D (default 16). Lower it for a compact "
+        "answer or a bound on time, raise it for fine detail; time grows with the square of the number of "
+        "coefficients.",
+    )
+    constraints: Constraints = Field(
+        "3l",
+        description="What is asked of f at each point. `3l`: its value on three layers. `5l` and `3l+gradient` hold "
+        "the gradient better at high degree, for twice the rows. `gradient-one`, `min-max`, `min-var`: value and "
+        "gradient on the points alone; for noisy normals weigh the gradient down. `taubin` needs no normals and is "
+        "exact on algebraic shapes, but unstable at high degree.",
+    )
+    layer_distance: float = Field(
+        0.05,
+        gt=0,
+        le=0.3,
+        description="c, the distance of the outer layers from the points, in mean radii. Lower it where parts are "
+        "thinner than 2c, raise it for noise larger than c/5. Costs nothing.",
+    )
+    gradient_weight: float = Field(
+        0.005,
+        gt=0,
+        le=100,
+        description="μ, the weight of gradient rows against value rows, in the families that have them. Lower it for "
+        "noisy normals. Costs nothing.",
+    )
+    criterion: Literal["distance", "gcv", "bic", "loo", "none"] = Field(
+        "distance",
+        description="When to stop. `distance`: D_dist < t1 and D_smooth > t2. On noisy points, which never get that "
+        "close, `gcv`, `bic` or `loo` (leave one point out) take the degree that predicts best, after trying a few "
+        "more. `none` goes to max_degree and returns it.",
+    )
+    t1: float = Field(
+        0.01,
+        ge=0,
+        allow_inf_nan=False,
+        description="Close enough when D_dist < t1, in mean radii. Raise it to about the noise, lower it for detail: "
+        "the degree follows.",
+    )
+    t2: float = Field(
+        0.95,
+        ge=-1,
+        le=1,
+        description="Smooth enough when D_smooth > t2, a mean cosine. Lower it for shapes with many sharp corners.",
+    )
+    granularity: Literal["form", "monomial"] = Field(
+        "form",
+        description="What is added between two tests: all monomials of a degree, or one. `form` does not depend on "
+        "how the points are turned. `monomial` may save a few coefficients and tests, at its cost, after each of them.",
+    )
+    factor: Literal["auto", "block", "gram-schmidt"] = Field(
+        "auto",
+        description="How the system is factored. `block`: Gram–Schmidt done twice, backward stable. `gram-schmidt`: "
+        "eq. (5) as printed, to compare with; it loses orthogonality from about degree 12 on. `auto` chooses.",
+    )
+    collinear: Literal["drop", "ridge", "keep"] | None = Field(
+        None,
+        description="What is done with a column that earlier ones explain: leave it out (the default), regularise it "
+        "(the default of the selective ridge), or nothing.",
+    )
+    collinear_tol: float = Field(
+        1e-10, ge=0, le=1, description="A column is collinear when at most this share of its length is new."
+    )
+    ridge: Literal["none", "full", "selective"] = Field(
+        "none",
+        description="Ridge regression: of every column, or only of those near collinear. It calms a high degree on "
+        "few or noisy points, and costs closeness.",
+    )
+    ridge_matrix: Literal["invariant", "identity"] = Field(
+        "invariant",
+        description="D of the ridge: that of the paper's appendix, which no rotation changes, or the identity.",
+    )
+    ridge_strength: float = Field(
+        1e-4,
+        gt=0,
+        le=1e6,
+        description="κ of the ridge. Raise it until the zero set is calm enough; D_dist rises with it.",
+    )
+    neighbours: int = Field(
+        12,
+        ge=3,
+        le=100,
+        description="Neighbours that estimate a normal, when no normals are given. Raise it for noise, lower it for "
+        "thin parts and sharp edges.",
+    )
+    basis: Literal["monomial", "chebyshev"] = Field(
+        "monomial",
+        description="What the coefficients multiply: powers of (x − centre)/scale, or products of Chebyshev "
+        "polynomials on the bounds, which keep more digits at high degree.",
+    )
+    measure_zero_set: bool = Field(
+        default=True,
+        description="Whether to report the zero set's stray share and number of components; without it a fit of few "
+        "points is several times faster.",
+    )
+
+
+UNSAID = {"max_degree": "by dimension", "collinear": "by `ridge`"}
+
+
+def default(name: str) -> str:
+    """Return an option's default, for people."""
+    value = FitOptions.model_fields[name].default
+    return UNSAID[name] if value is None else f"`{str(value).lower()}`"
+
+
+def values(field: FieldInfo) -> str:
+    """Return what an option allows, for people: its words, or its range."""
+    kinds = [kind for kind in (get_args(field.annotation) or [field.annotation]) if kind is not type(None)]
+    words = [word for kind in kinds for word in (get_args(kind) or [kind]) if isinstance(word, str)]
+    if words:
+        return " ".join(f"`{word}`" for word in words)
+    if field.annotation is bool:
+        return "`true` `false`"
+    signs = {"ge": "≥", "gt": ">", "le": "≤", "lt": "<"}
+    return ", ".join(
+        f"{signs[name]} {getattr(bound, name):g}" for bound in field.metadata for name in signs if hasattr(bound, name)
+    )
+
+
+def table() -> str:
+    """Return the options as a Markdown table: name, values, default, meaning."""
+    rows = ["| option | values | default | meaning |", "| --- | --- | --- | --- |"]
+    for name, field in FitOptions.model_fields.items():
+        rows.append(f"| `{name}` | {values(field)} | {default(name)} | {field.description} |")
+    return "\n".join(rows)
