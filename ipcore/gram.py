@@ -10,13 +10,13 @@ from functools import lru_cache
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from ipcore import basis, monomials
+from ipcore import basis, contraction, monomials
 from ipcore._typing import FloatArray, IntArray
 from ipcore.basis import Basis
 
 Sparse = csr_array[np.float64, tuple[int, int]]
 
-CHUNK = 2048  # points at once
+CHUNK = 2048  # points at once: 5 MB of products at degree 12 in 3D
 COLUMNS = 48  # of one matrix product: several of the last variable's functions are taken together
 
 
@@ -56,6 +56,14 @@ def moments(tables: list[FloatArray], weights: FloatArray) -> FloatArray:
     -------
         (C, p), in the order of `order`(d, K).
 
+    Examples
+    --------
+    >>> t = np.array([0.5, 1.0])                                  # T_2(½) = −½, T_2(1) = 1
+    >>> table = basis.table(Basis.CHEBYSHEV, t, 2)
+    >>> mu = moments([table, table], np.array([[1.0, 2.0]]))
+    >>> float(mu[position(np.array([2, 0]), 2), 0])                # 1 · −½ + 2 · 1
+    1.5
+
     """
     d, degree, p = len(tables), len(tables[0]) - 1, len(weights)
     leading = monomials.exponents(d - 1, degree)
@@ -75,12 +83,15 @@ def moments(tables: list[FloatArray], weights: FloatArray) -> FloatArray:
     return out
 
 
-def grid_moments(values: FloatArray, tables: list[FloatArray]) -> FloatArray:
-    """Return the moments (C, 1) of weights on a tensor grid, `tables` (K + 1, nodes) being one per axis."""
-    degree = len(tables[0]) - 1
-    for matrix in tables:
-        values = np.tensordot(values, matrix, axes=(0, 1))
-    return np.asarray(values[tuple(order(values.ndim, degree).T)][:, None])
+def graded(mu: FloatArray, dimension: int, degree: int) -> FloatArray:
+    """Return moments (C, p) in the graded order of the polynomials' coefficients."""
+    return mu[position(monomials.exponents(dimension, degree), degree)]
+
+
+def grid_moments(weights: FloatArray, table: FloatArray) -> FloatArray:
+    """Return the moments (C, 1) of weights on a tensor grid, whose axes all have the nodes of `table` (K + 1, nodes)."""
+    tensor = contraction.along_axes(weights, [table] * weights.ndim)
+    return np.asarray(tensor[tuple(order(weights.ndim, len(table) - 1).T)][:, None])
 
 
 @lru_cache(maxsize=16)
@@ -101,7 +112,13 @@ def _pairs(dimension: int, degree: int) -> tuple[Sparse, IntArray, IntArray]:
 
 
 def gram(mu: FloatArray, dimension: int, degree: int) -> FloatArray:
-    """Return the symmetric Gram matrices (p, m, m) from moments (C, p) up to 2·`degree`."""
+    """Return the symmetric Gram matrices (p, m, m) from moments (C, p) up to 2·`degree`.
+
+    >>> t = np.array([0.5, 1.0])
+    >>> tables = [basis.table(Basis.CHEBYSHEV, t, 2)] * 2
+    >>> gram(moments(tables, np.ones((1, 2))), 2, 1)[0].tolist()   # rows 1, x, y at (½, ½) and (1, 1)
+    [[2.0, 1.5, 1.5], [1.5, 1.25, 1.25], [1.5, 1.25, 1.25]]
+    """
     gather, rows, columns = _pairs(dimension, degree)
     m = monomials.count(dimension, degree)
     entries = gather @ mu

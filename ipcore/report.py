@@ -42,12 +42,13 @@ def diagnose(
     data: OrientedPoints,
     options: FitOptions,
     reason: StopReason,
-    orthogonality_loss: float | None,
+    orthogonality_loss: float | None = None,
+    weights: FloatArray | None = None,
 ) -> Diagnosis:
     """Deliver a polynomial of the normalised frame: change basis and coordinates, and measure what comes out."""
     local = best.to_monomial() if options.basis is Basis.MONOMIAL else best.to_chebyshev()
     f, gradient = local.value_and_gradient(data.points)
-    at = Closeness.of(f, gradient, data.normals)
+    at = Closeness.of(f, gradient, data.normals, weights)
     stray, components = _survey(local, data) if options.measure_zero_set else (None, None)
     diagnostics = Diagnostics(
         at.d_dist,

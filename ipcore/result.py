@@ -67,6 +67,12 @@ class Step:
         Mean squared error of the rows of points left out one by one, in squared mean radii; None unless asked for.
     diagonal_ratio
         max |r_ii| / min |r_ii|, by which the paper judges the condition (section 5.1): only a lower bound of it.
+    iterations
+        Steps of the geometric fit or of that under sign constraints; 0 if it is linear. `rss` is then the sum of
+        squared first-order distances, and `condition` and `diagonal_ratio` are those of the Jacobian.
+    quiet
+        Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not looked
+        at, because the fit is linear or still far from the criterion.
 
     """
 
@@ -83,6 +89,8 @@ class Step:
     bic: float | None = None
     loo: float | None = None
     diagonal_ratio: float | None = None
+    iterations: int = 0
+    quiet: bool | None = None
 
     @property
     def alpha(self) -> int:

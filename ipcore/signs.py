@@ -1,47 +1,136 @@
-"""Which sign f must have, and by how much, at nodes of the box."""
-from dataclasses import dataclass
+"""Sign constraints: σ f ≥ τ at given places, σ the side (1 outside, −1 inside) and τ a margin that grows with distance.
+
+A place that falls short by v = max(0, τ − σf) costs weight · v². Those that do are the active ones; their part of the
+normal equations is weight · Σ PᵀP over them, P the row of basis values, and weight · Σ σ v P, both from moments.
+"""
+
+from typing import Protocol
 
 import numpy as np
 
 from ipcore import basis, contraction, gram
 from ipcore._typing import FloatArray
 from ipcore.basis import Basis
+from ipcore.sides import Located, Sides
 
-
+# Nodes lie in the box grown by this factor: what hides between the outermost nodes would cut the box's walls.
 BEYOND = 1.02
+# The margin is this share of the distance beyond half of what is near, and at most that of 0.1 mean radii: τ ≤ 0.05.
+# f has slope 1 about, so where the fit is as close as asked, a margin of half the distance costs nothing.
+SLOPE = 0.5
+FARTHEST = 0.10
 
 
-def lobatto(count):
-    return -BEYOND * np.cos(np.pi * np.arange(count) / (count - 1))
+class SignConstraints(Protocol):
+    """Places where f has a sign to have."""
+
+    weight: float
+
+    def shortfall(self, tensor: FloatArray) -> FloatArray:
+        """Return v, any shape, for the polynomial with these Chebyshev coefficients (n+1, …)."""
+        ...
+
+    def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
+        """Return the moments (C, 1) of weight over the active places, up to 2·degree."""
+        ...
+
+    def pull(self, shortfall: FloatArray, degree: int) -> FloatArray:
+        """Return weight · Σ σ v P, (m,): half the cost's negative gradient."""
+        ...
+
+
+def margin(located: Located) -> FloatArray:
+    """Return τ at places."""
+    return SLOPE * np.minimum(located.distance - located.near / 2.0, FARTHEST)
 
 
 class SignNodes:
-    """Chebyshev–Lobatto nodes of the box with side σ (0 where nothing is asked) and margin τ, (nodes, …) each."""
+    """All nodes of a Chebyshev–Lobatto grid: on an even grid sheets slip between the nodes near the walls."""
 
-    def __init__(self, side, margin):
-        self.side, self.margin = side, np.where(side == 0, 0.0, margin)
-        self.d = side.ndim
-        self.lines = [lobatto(c) for c in side.shape]
-        self._tables = {}
+    def __init__(self, side: FloatArray, margin: FloatArray, weight: float) -> None:
+        """Take σ (0 where nothing is asked) and τ on the grid, (count, …) each, and the weight of all nodes together."""
+        self.side, self.margin = side, np.where(side == 0.0, 0.0, margin)
+        self.weight = weight / side.size
+        self._lines = lobatto(len(side))
+        self._tables: dict[int, FloatArray] = {}
 
-    def tables(self, degree):
+    @classmethod
+    def of(cls, sides: Sides, bounds: FloatArray, count: int, weight: float) -> "SignNodes":
+        """Ask for the sides that are sure, on `count` nodes per axis of the bounds (2, d)."""
+        middle, half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
+        lines = [m + h * lobatto(count) for m, h in zip(middle, half, strict=True)]
+        nodes = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
+        located = sides.at(nodes.reshape(-1, len(half)))
+        shape = nodes.shape[:-1]
+        return cls(located.side.reshape(shape), margin(located).reshape(shape), weight)
+
+    def shortfall(self, tensor: FloatArray) -> FloatArray:
+        """Return v on the grid."""
+        values = contraction.along_axes(tensor, [self._table(len(tensor) - 1).T] * tensor.ndim)
+        values *= self.side
+        np.subtract(self.margin, values, out=values)
+        return np.maximum(values, 0.0, out=values)
+
+    def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
+        """Return the moments (C, 1) of weight over the active nodes, up to 2·degree."""
+        mask = (shortfall > 0.0).astype(float)
+        return self.weight * gram.grid_moments(mask, self._table(2 * degree))
+
+    def pull(self, shortfall: FloatArray, degree: int) -> FloatArray:
+        """Return weight · Σ σ v P, (m,)."""
+        table = self._table(degree)
+        tensor = contraction.along_axes(shortfall * self.side, [table] * shortfall.ndim)
+        return self.weight * contraction.from_tensor(tensor, shortfall.ndim, degree)
+
+    def _table(self, degree: int) -> FloatArray:
         if degree not in self._tables:
-            self._tables[degree] = [basis.table(Basis.CHEBYSHEV, u, degree) for u in self.lines]
+            self._tables[degree] = basis.table(Basis.CHEBYSHEV, self._lines, degree)
         return self._tables[degree]
 
-    def values(self, tensor):
-        return contraction.along_axes(tensor, [np.ascontiguousarray(t.T) for t in self.tables(tensor.shape[0] - 1)])
 
-    def shortfall(self, values):
-        return np.maximum(0.0, self.margin - self.side * values)
+class SignPoints:
+    """Single places, in the Chebyshev variables t."""
 
-    def gram(self, shortfall, degree):
-        """Return moments (C, 1) of the active set."""
-        return gram.grid_moments((shortfall > 0).astype(float), self.tables(2 * degree)) / shortfall.size
+    def __init__(self, t: FloatArray, side: FloatArray, margin: FloatArray, weight: float) -> None:
+        """Take places (M, d), σ and τ (M,), and the weight of each."""
+        self.t, self.side, self.margin, self.weight = t, side, margin, weight
+        self._tables: dict[int, list[FloatArray]] = {}
 
-    def pull(self, shortfall, degree):
-        """Return Σ σ v P / M, the negative half gradient, tensor."""
-        v = shortfall * self.side / shortfall.size
-        for t in self.tables(degree):
-            v = np.tensordot(v, t, axes=(0, 1))
-        return v
+    def with_more(self, t: FloatArray, side: FloatArray, margin: FloatArray, weight: float) -> "SignPoints":
+        """Return these and more, all of this weight."""
+        return SignPoints(
+            np.concatenate([self.t, t]),
+            np.concatenate([self.side, side]),
+            np.concatenate([self.margin, margin]),
+            weight,
+        )
+
+    def shortfall(self, tensor: FloatArray) -> FloatArray:
+        """Return v (M,)."""
+        f = contraction.scattered(tensor[None], self._at(len(tensor) - 1))[0]
+        return np.maximum(self.margin - self.side * f, 0.0)
+
+    def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
+        """Return the moments (C, 1) of weight over the active places, up to 2·degree."""
+        return gram.moments(self._at(2 * degree), self.weight * (shortfall > 0.0)[None].astype(float))
+
+    def pull(self, shortfall: FloatArray, degree: int) -> FloatArray:
+        """Return weight · Σ σ v P, (m,)."""
+        mu = gram.moments(self._at(degree), self.weight * (self.side * shortfall)[None])
+        return gram.graded(mu, self.t.shape[1], degree)[:, 0]
+
+    def _at(self, degree: int) -> list[FloatArray]:
+        if degree not in self._tables:
+            self._tables[degree] = [
+                basis.table(Basis.CHEBYSHEV, np.ascontiguousarray(row), degree) for row in self.t.T
+            ]
+        return self._tables[degree]
+
+
+def lobatto(count: int) -> FloatArray:
+    """Return `count` Chebyshev–Lobatto nodes, −BEYOND … BEYOND.
+
+    >>> lobatto(3).round(2).tolist()
+    [-1.02, -0.0, 1.02]
+    """
+    return -BEYOND * np.cos(np.pi * np.arange(count) / (count - 1))
