@@ -128,7 +128,7 @@ def _searched(
     search = DegreeSearch(data, options, how, by)
     found = search.run(alphas, progress)
     loss = how.orthogonality_loss(found.step.columns)
-    diagnosis = diagnose(found.polynomial, data, options, found.reason, loss, found.weights)
+    diagnosis = diagnose(found.fitted, data, options, found.reason, loss)
     return FitResult(
         diagnosis.polynomial,
         found.reason,

@@ -121,7 +121,7 @@ def gram(mu: FloatArray, dimension: int, degree: int) -> FloatArray:
     """
     gather, rows, columns = _pairs(dimension, degree)
     m = monomials.count(dimension, degree)
-    entries = gather @ mu
+    entries = np.asarray(gather @ mu)
     out = np.empty((mu.shape[1], m, m))
     out[:, rows, columns] = entries.T
     out[:, columns, rows] = entries.T

@@ -41,6 +41,8 @@ class LinearStep:
         Steps of the nonlinear fit.
     quiet
         Whether a survey found the zero set by the data and nowhere else; None if it was not looked at.
+    unsure
+        Share of the box, without what is near the data, where signs could not be told; None if none were asked for.
     weights
         (N,), what each point counts, if not all the same.
 
@@ -58,6 +60,7 @@ class LinearStep:
     loo: float | None
     iterations: int = 0
     quiet: bool | None = None
+    unsure: float | None = None
     weights: FloatArray | None = None
 
 

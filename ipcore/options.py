@@ -80,7 +80,7 @@ class FitOptions:
         λ, the weight of squared differences between normals and ∇f/‖∇f‖ against squared distances; 0 < λ ≤ 1. At the
         default both count the same where D_dist = 0.01 and D_smooth = 0.95.
     robust
-        Whether points that lie far from the fit lose their weight, in the fit and in what is reported of it.
+        Whether points that lie far from the fit are left out, of the fit and of what is reported of it.
     neighbours
         How many neighbours estimate a normal, when none are given; at least 3.
     basis
@@ -172,7 +172,8 @@ class FitOptions:
         if self._asks_for_linear and (self.signs or self.geometric):
             name = "geometric" if self.geometric else "signs"
             raise InvalidOptionsError(
-                f"{name} goes with 3l constraints, complete forms, no ridge, and the criterion distance or none", (name,)
+                f"{name} goes with 3l constraints, complete forms, no ridge, and the criterion distance or none",
+                (name,),
             )
         if self.robust and self.is_linear:
             raise InvalidOptionsError("robust needs the geometric fit, or that under sign constraints", ("robust",))

@@ -57,9 +57,8 @@ FULL = Effort(40, 1e-3, 2)
 AGAIN = Effort(15, 1e-3, 2)
 REPAIR = Effort(10, 1e-3, 2)
 GIVE_UP = 1.2  # excess above which a repair at less than the last degree is given up
-# Points farther than 3 t1, or 3.7 times the median if that is more (2.5 standard deviations of normal errors), count
-# for a quarter and less.
-OUTLYING, DEVIATIONS = 3.0, 3.7
+# In a robust fit points farther than this many t1, or median distances if that is more, do not count at the next degree.
+OUTLYING = 5.0
 
 
 class QuietFit:
@@ -93,9 +92,10 @@ class QuietFit:
         fit, quiet = self._balanced(objective, fit), None
         if self._options.on_signs and (degree == self._last or self._excess(objective, fit) < 1.0):
             fit, quiet = self._settled(objective, fit)
+        step = self._step(objective, fit, quiet)
         if self._options.robust:
             self._reweigh(degree, fit.coefficients)
-        return self._step(objective, fit, quiet)
+        return step
 
     def orthogonality_loss(self, columns: int) -> None:
         """Return None: nothing is orthogonalised."""
@@ -183,10 +183,10 @@ class QuietFit:
         return None
 
     def _reweigh(self, degree: int, a: FloatArray) -> None:
-        """Give every point the weight that Geman and McClure's loss gives it."""
+        """Leave out at the next degree the points that are far from this fit."""
         distance = np.abs(self._data.polynomial(degree, a, Basis.CHEBYSHEV).distance(self._data.points))
-        limit = max(OUTLYING * self._options.t1, DEVIATIONS * float(np.median(distance)))
-        self._weights = (1.0 + (distance / limit) ** 2) ** -2
+        limit = OUTLYING * max(self._options.t1, float(np.median(distance)))
+        self._weights = np.where(distance <= limit, 1.0, 0.0)
 
     def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> LinearStep:  # noqa: FBT001 - see LinearStep
         polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
@@ -206,6 +206,7 @@ class QuietFit:
             loo=None,
             iterations=self._iterations,
             quiet=quiet,
+            unsure=min((nodes.unsure for nodes in self._nodes.values()), default=None),
             weights=self._weights if self._options.robust else None,
         )
 

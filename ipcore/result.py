@@ -121,6 +121,13 @@ class Diagnostics:
         Whether the leading form is definite: then the degree is even and no part of the zero set runs to infinity.
     orthogonality_loss
         ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None where another factorisation keeps it.
+    quiet
+        Whether, with signs constrained, the zero set kept to the data and was whole on two fine grids; None if that was
+        not asked for. Where points are farther apart than what counts as stray, it crosses the gap and is quiet still.
+    unsure
+        Share of the box, without what is near the data, where the data do not tell inside from outside.
+    outliers
+        Share of the points that a robust fit left out, and that no other figure counts; None without it.
 
     """
 
@@ -134,6 +141,9 @@ class Diagnostics:
     normal_self_check: float
     bounded: bool | None = None
     orthogonality_loss: float | None = None
+    quiet: bool | None = None
+    unsure: float | None = None
+    outliers: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

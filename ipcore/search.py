@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from ipcore import criteria, monomials
-from ipcore._typing import FloatArray
 from ipcore.choices import Criterion, Granularity
 from ipcore.criteria import Closeness
 from ipcore.judges import Judge
 from ipcore.linear import LinearStep, PrefixFit
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
-from ipcore.polynomial import ImplicitPolynomial
 from ipcore.result import Step, StopReason
 
 Progress = Callable[[Step], None]
@@ -23,12 +21,11 @@ Progress = Callable[[Step], None]
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """How a search ended: its best polynomial, in the normalised frame, the step that made it, and the points' weights."""
+    """How a search ended: its best fit, in the normalised frame, and what was noted of it."""
 
-    polynomial: ImplicitPolynomial
+    fitted: LinearStep
     step: Step
     reason: StopReason
-    weights: FloatArray | None
 
 
 def stops(dimension: int, cap: int, granularity: Granularity) -> Sequence[int]:
@@ -74,7 +71,7 @@ class DegreeSearch:
                 break
         if best is None:
             raise ValueError("a search needs at least one stop")
-        return Found(best[1].polynomial, best[2], reason, best[1].weights)
+        return Found(best[1], best[2], reason)
 
     def _try(self, alpha: int) -> tuple[LinearStep, Step]:
         started = perf_counter()

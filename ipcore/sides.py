@@ -75,7 +75,7 @@ class Sides:
         self._order = np.random.default_rng(0).permutation(len(points))  # seeded: the same points get the same sides
         self._lower, upper = bounds
         self._cell = (upper - self._lower) / (COARSE[d] - 1)
-        lines = [np.linspace(*ends, COARSE[d]) for ends in bounds.T]
+        lines = [np.linspace(low, high, COARSE[d]) for low, high in bounds.T]
         grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
         self._level = self._between()
         self._coarse = self._outward(grid.reshape(-1, d), SUBSET).reshape(grid.shape[:-1])

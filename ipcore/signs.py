@@ -47,11 +47,15 @@ def margin(located: Located) -> FloatArray:
 class SignNodes:
     """All nodes of a Chebyshev–Lobatto grid: on an even grid sheets slip between the nodes near the walls."""
 
-    def __init__(self, side: FloatArray, margin: FloatArray, weight: float) -> None:
-        """Take σ (0 where nothing is asked) and τ on the grid, (count, …) each, and the weight of all nodes together."""
-        self.side, self.margin = side, np.where(side == 0.0, 0.0, margin)
+    def __init__(self, located: Located, count: int, weight: float) -> None:
+        """Take what is known of the nodes (count^d,), in C order, and the weight of them all together."""
+        d = round(np.log(len(located.side)) / np.log(count))
+        side, away = located.side, located.distance > located.near
+        self.unsure = float((side[away] == 0.0).mean()) if away.any() else 1.0
+        self.side = side.reshape((count,) * d)
+        self.margin = np.where(side == 0.0, 0.0, margin(located)).reshape((count,) * d)
         self.weight = weight / side.size
-        self._lines = lobatto(len(side))
+        self._lines = lobatto(count)
         self._tables: dict[int, FloatArray] = {}
 
     @classmethod
@@ -60,9 +64,7 @@ class SignNodes:
         middle, half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
         lines = [m + h * lobatto(count) for m, h in zip(middle, half, strict=True)]
         nodes = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
-        located = sides.at(nodes.reshape(-1, len(half)))
-        shape = nodes.shape[:-1]
-        return cls(located.side.reshape(shape), margin(located).reshape(shape), weight)
+        return cls(sides.at(nodes.reshape(-1, len(half))), count, weight)
 
     def shortfall(self, tensor: FloatArray) -> FloatArray:
         """Return v on the grid."""
@@ -117,13 +119,11 @@ class SignPoints:
     def pull(self, shortfall: FloatArray, degree: int) -> FloatArray:
         """Return weight · Σ σ v P, (m,)."""
         mu = gram.moments(self._at(degree), self.weight * (self.side * shortfall)[None])
-        return gram.graded(mu, self.t.shape[1], degree)[:, 0]
+        return np.asarray(gram.graded(mu, self.t.shape[1], degree)[:, 0])
 
     def _at(self, degree: int) -> list[FloatArray]:
         if degree not in self._tables:
-            self._tables[degree] = [
-                basis.table(Basis.CHEBYSHEV, np.ascontiguousarray(row), degree) for row in self.t.T
-            ]
+            self._tables[degree] = [basis.table(Basis.CHEBYSHEV, np.ascontiguousarray(row), degree) for row in self.t.T]
         return self._tables[degree]
 
 

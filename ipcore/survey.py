@@ -1,4 +1,4 @@
-"""A fit looked at on a fine even grid: does its zero set keep to the data, and is it in one piece?
+"""A look at a fit on a fine even grid: whether its zero set keeps to the data, and is in one piece.
 
 The zero set cuts the box into regions of one sign. The regions that touch each other form a tree, for a box has no
 holes, so the zero set has one component less than there are regions.
@@ -62,7 +62,7 @@ class Survey:
 
     def local(self, t: FloatArray) -> FloatArray:
         """Return places t (M, d) in the normalised frame."""
-        return self._middle + self._half * t
+        return np.asarray(self._middle + self._half * t)
 
     def look(self, tensor: FloatArray) -> Findings:
         """Return what is found of the polynomial with these Chebyshev coefficients (n+1, …)."""

@@ -125,7 +125,7 @@ def test_a_way_to_fit_can_be_plugged_in() -> None:
     found = DegreeSearch(data, FitOptions(), Halved(), judge(FitOptions())).run([3, 6, 10, 15], None)
     assert (found.step.degree, found.reason) == (2, StopReason.CRITERION_MET)
     whole = ipcore.fit(points, normals, QUICK).polynomial
-    np.testing.assert_allclose(2.0 * found.polynomial(data.points), whole(points), atol=1e-13)
+    np.testing.assert_allclose(2.0 * found.fitted.polynomial(data.points), whole(points), atol=1e-13)
 
 
 @pytest.mark.parametrize("family", [Constraints.THREE_LAYER, Constraints.TAUBIN])
