@@ -70,7 +70,7 @@ def refine(objective: LeastSquares, a: FloatArray, steps: int, tolerance: float,
 def solve(H: FloatArray, r: FloatArray, damping: float = 0.0) -> FloatArray:
     """Return p with (H + damping · diag H) p = r, H (m, m) symmetric and not negative.
 
-    >>> solve(np.array([[2.0, 0.0], [0.0, 4.0]]), np.array([2.0, 2.0])).tolist()
+    >>> solve(np.array([[2.0, 0.0], [0.0, 4.0]]), np.array([2.0, 2.0])).round(12).tolist()
     [1.0, 0.5]
     """
     scaled, s = unit_diagonal(H)

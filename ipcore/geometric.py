@@ -24,6 +24,7 @@ from ipcore.signs import SignConstraints
 
 # The product D G D with D dense is the faster one up to this many coefficients (2D, degree 15).
 DENSE = 150
+FLAT = 1e-6  # the least slope that counts, where the sign constraints make 1 of it: a flat point is far
 
 
 class DataTables:
@@ -102,7 +103,7 @@ class Objective:
         tensors = contraction.to_tensor(np.stack([a, *(D @ a for D in self._D)]), d, self.degree)
         f, *gradient = contraction.scattered(tensors, self.data.tables(self.degree))
         squared = sum(g**2 for g in gradient)
-        size = np.sqrt(np.maximum(self.blend * squared + 1.0 - self.blend, np.finfo(float).tiny))
+        size = np.sqrt(np.maximum(self.blend * squared + 1.0 - self.blend, FLAT**2))
         distance, direction = f / size, np.stack(gradient) / size
         shortfalls = [places.shortfall(tensors[0]) for places in self.signs]
         turned = ((direction - self.data.normals) ** 2).sum(axis=0)

@@ -57,8 +57,7 @@ FULL = Effort(40, 1e-3, 2)
 AGAIN = Effort(15, 1e-3, 2)
 REPAIR = Effort(10, 1e-3, 2)
 GIVE_UP = 1.2  # excess above which a repair at less than the last degree is given up
-# In a robust fit points farther than this many t1, or median distances if that is more, do not count at the next degree.
-OUTLYING = 5.0
+OUTLYING = 5.0  # times t1, or the median distance if that is more: how far from one degree's fit the next leaves out
 
 
 class QuietFit:
@@ -76,16 +75,17 @@ class QuietFit:
         self._nodes: dict[int, SignNodes] = {}
         self._surveys = [Survey(self._sides, data.bounds, lines) for lines in SURVEYS[d]]
         self._order = np.random.default_rng(0).permutation(count)  # seeded: the same points get the same fit
-        self._prefix = np.zeros(0)
+        self._prefix, self._reached = np.zeros(0), 0
         self._iterations = 0
 
     def raise_to(self, alpha: int) -> LinearStep:
         """Fit at the complete degree with α columns."""
         degree, self._iterations = monomials.degree_of(self._data.points.shape[1], alpha), 0
-        some = self._order[: max(SUBSET, PER_COLUMN * alpha)]
-        objective = Objective(self._tables(some), degree, self._signs(degree), self._options.angle_weight)
+        for lower in range(self._reached + 1, degree):
+            self._prefix = self._followed(self._objective(lower)).coefficients
+        objective, self._reached = self._objective(degree), degree
         fit = self._followed(objective)
-        if len(some) < len(self._order) and self._excess(objective, fit) < NEARLY:
+        if len(objective.data.weights) < len(self._order) and self._excess(objective, fit) < NEARLY:
             objective.data = self._tables(self._order)
             fit = self._refined(objective, fit.coefficients, AGAIN)
         self._prefix = fit.coefficients
@@ -99,6 +99,12 @@ class QuietFit:
 
     def orthogonality_loss(self, columns: int) -> None:
         """Return None: nothing is orthogonalised."""
+
+    def _objective(self, degree: int) -> Objective:
+        """Take as many points as the degree needs."""
+        columns = monomials.count(self._data.points.shape[1], degree)
+        data = self._tables(self._order[: max(SUBSET, PER_COLUMN * columns)])
+        return Objective(data, degree, self._signs(degree), self._options.angle_weight)
 
     def _tables(self, some: IntArray) -> DataTables:
         """Tabulate these points, in their order."""
@@ -140,9 +146,9 @@ class QuietFit:
         best, given, kept = fit, self._options.angle_weight, objective.angle_weight
         for _ in range(BALANCES):
             far, turned = self._rule.excesses(*objective.closeness(fit.look))
-            if max(far, turned) < 1.0 or far * turned > WORTH or not self._options.on_geometric:
+            if not self._options.on_geometric or max(far, turned) < 1.0 or min(far, turned) > WORTH / max(far, turned):
                 break
-            moved = objective.angle_weight * (turned / max(far, np.finfo(float).tiny)) ** BALANCE
+            moved = objective.angle_weight * min(turned / max(far, 1.0 / RANGE), RANGE) ** BALANCE
             objective.angle_weight = float(np.clip(moved, given / RANGE, given * RANGE))
             fit = self._refined(objective, fit.coefficients, AGAIN)
             if self._excess(objective, fit) >= self._excess(objective, best):

@@ -96,8 +96,8 @@ def _warnings(diagnostics: Diagnostics, reason: StopReason, moved: float) -> lis
         warnings.append("The zero set has parts away from the data or in pieces that no constraint could remove.")
     if (diagnostics.unsure or 0.0) > UNSURE:
         warnings.append(
-            f"In {diagnostics.unsure:.0%} of the box the points do not tell inside from outside, for the surface is open "
-            "or sparse there: nothing was asked of f, and its sign is a guess."
+            f"In {diagnostics.unsure:.0%} of the box the points do not tell inside from outside, for the surface is "
+            "open or sparse there: nothing was asked of f, and its sign is a guess."
         )
     if diagnostics.outliers:
         warnings.append(f"{diagnostics.outliers:.1%} of the points were taken for outliers and do not count.")

@@ -82,7 +82,7 @@ class SignNodes:
         """Return weight · Σ σ v P, (m,)."""
         table = self._table(degree)
         tensor = contraction.along_axes(shortfall * self.side, [table] * shortfall.ndim)
-        return self.weight * contraction.from_tensor(tensor, shortfall.ndim, degree)
+        return np.asarray(self.weight * contraction.from_tensor(tensor, shortfall.ndim, degree))
 
     def _table(self, degree: int) -> FloatArray:
         if degree not in self._tables:
@@ -110,7 +110,7 @@ class SignPoints:
     def shortfall(self, tensor: FloatArray) -> FloatArray:
         """Return v (M,)."""
         f = contraction.scattered(tensor[None], self._at(len(tensor) - 1))[0]
-        return np.maximum(self.margin - self.side * f, 0.0)
+        return np.asarray(np.maximum(self.margin - self.side * f, 0.0))
 
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
         """Return the moments (C, 1) of weight over the active places, up to 2·degree."""

@@ -122,8 +122,8 @@ class FitOptions(BaseModel):
     )
     robust: bool = Field(
         default=False,
-        description="Whether points far from the fit are left out. For data with outliers; D_dist and D_smooth are then "
-        "those of the others.",
+        description="Whether points far from the fit are left out. For data with outliers; D_dist and D_smooth are "
+        "then those of the others.",
     )
     neighbours: int = Field(
         12,
