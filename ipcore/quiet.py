@@ -148,8 +148,9 @@ class QuietFit:
             far, turned = self._rule.excesses(*objective.closeness(fit.look))
             if not self._options.on_geometric or max(far, turned) < 1.0 or min(far, turned) > WORTH / max(far, turned):
                 break
-            moved = objective.angle_weight * min(turned / max(far, 1.0 / RANGE), RANGE) ** BALANCE
-            objective.angle_weight = float(np.clip(moved, given / RANGE, given * RANGE))
+            quotient = float(np.clip(turned / max(far, 1.0 / RANGE), 1.0 / RANGE, RANGE))
+            moved = objective.angle_weight * quotient**BALANCE
+            objective.angle_weight = min(max(moved, given / RANGE), given * RANGE)
             fit = self._refined(objective, fit.coefficients, AGAIN)
             if self._excess(objective, fit) >= self._excess(objective, best):
                 break
