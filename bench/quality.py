@@ -93,7 +93,9 @@ def summary(entries: list[dict[str, object]], scored: dict[str, dict[str, Scored
             median([one[way].seconds for one in for_closed if one[way].result.polynomial.dimension == d] or [0.0])
             for d in (2, 3)
         ]
-        lines.append(f"- {way}: {good} of {len(for_closed)} closed shapes good; median {times[0]:.2f} s (2D), {times[1]:.1f} s (3D)")
+        lines.append(
+            f"- {way}: {good} of {len(for_closed)} closed shapes good; median {times[0]:.2f} s (2D), {times[1]:.1f} s (3D)"
+        )
     both = [one for one in for_closed if one["3L"].result.stop_reason is ipcore.StopReason.CRITERION_MET]
     if both:
         quotients = [one["default"].result.degree / one["3L"].result.degree for one in both]

@@ -109,7 +109,7 @@ class Objective:
         turned = ((direction - self.data.normals) ** 2).sum(axis=0)
         value = w @ (distance**2 + self.angle_weight * turned)
         for places, v in zip(self.signs, shortfalls, strict=True):
-            value += places.weight * np.vdot(v, v)
+            value += places.cost(v)
         return Look(distance, size, direction, shortfalls, float(value))
 
     def normal_equations(self, look: Look) -> tuple[FloatArray, FloatArray]:

@@ -19,7 +19,7 @@ from ipcore.geometric import DataTables, Objective
 from ipcore.linear import LinearStep
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
-from ipcore.repair import Demands, demands
+from ipcore.repair import demands
 from ipcore.sides import Sides, crowded
 from ipcore.signs import SignConstraints, SignNodes, SignPoints
 from ipcore.survey import Survey
@@ -37,6 +37,7 @@ SURVEYS = {2: (251, 501), 3: (91, 129)}  # lines per axis; the second must find 
 SUBSET, PER_COLUMN = 2000, 6  # points that a fit is made from at first, at least, and per coefficient
 NEARLY = 1.5  # excess below which a fit is refined on all points, balanced, and surveyed
 ROUNDS = 8
+HEAVIER = 3.0  # what the weight of all nodes grows by when something is wrong
 FIRST_BOOST, BOOST = 0.02, 3.0  # the weight of a repair's places, and how it grows by the round
 # λ is moved by (excess of D_smooth / excess of D_dist)^1.5 while one is met and the other is not, by 100 at most.
 BALANCES, BALANCE, RANGE = 3, 1.5, 100.0
@@ -160,17 +161,15 @@ class QuietFit:
 
     def _settled(self, objective: Objective, fit: Refined) -> tuple[Refined, bool]:
         """Ask for what surveys find missing, until they find nothing; return the fit, and whether it came to that."""
-        grid, boost = objective.signs, FIRST_BOOST
         more: SignPoints | None = None
+        grid = [nodes.heavier(HEAVIER) for nodes in objective.signs if isinstance(nodes, SignNodes)]
         for _ in range(ROUNDS):
             asked = self._missing(objective.degree, fit.coefficients)
             if asked is None:
                 return fit, True
-            if more is None:
-                more = SignPoints(asked.t, asked.side, asked.margin, boost)
-            else:
-                more = more.with_more(asked.t, asked.side, asked.margin, boost)
-            boost *= BOOST
+            if more is not None:
+                more = more.insisting(fit.look.shortfalls[-1], BOOST)
+            more = asked if more is None else more.with_more(asked)
             objective.signs = [*grid, more]
             fit = self._refined(objective, fit.coefficients, REPAIR)
             if objective.degree < self._last and self._excess(objective, fit) > GIVE_UP:
@@ -179,14 +178,14 @@ class QuietFit:
                 fit = self._balanced(objective, fit)
         return fit, self._missing(objective.degree, fit.coefficients) is None
 
-    def _missing(self, degree: int, a: FloatArray) -> Demands | None:
+    def _missing(self, degree: int, a: FloatArray) -> SignPoints | None:
         """Return what the first survey that finds anything asks for."""
         tensor = contraction.to_tensor(a, self._data.points.shape[1], degree)
         for survey in self._surveys:
             found = survey.look(tensor)
             asked = demands(found, survey, self._sides) if found.suspect.any() else None
             if asked is not None:
-                return asked
+                return SignPoints(asked.t, asked.side, asked.margin, np.full(len(asked.t), FIRST_BOOST))
         return None
 
     def _reweigh(self, degree: int, a: FloatArray) -> None:

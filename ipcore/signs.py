@@ -4,6 +4,7 @@ A place that falls short by v = max(0, τ − σf) costs weight · v². Those th
 normal equations is weight · Σ PᵀP over them, P the row of basis values, and weight · Σ σ v P, both from moments.
 """
 
+from copy import copy
 from typing import Protocol
 
 import numpy as np
@@ -24,10 +25,12 @@ FARTHEST = 0.10
 class SignConstraints(Protocol):
     """Places where f has a sign to have."""
 
-    weight: float
-
     def shortfall(self, tensor: FloatArray) -> FloatArray:
         """Return v, any shape, for the polynomial with these Chebyshev coefficients (n+1, …)."""
+        ...
+
+    def cost(self, shortfall: FloatArray) -> float:
+        """Return Σ weight · v²."""
         ...
 
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
@@ -73,6 +76,16 @@ class SignNodes:
         np.subtract(self.margin, values, out=values)
         return np.maximum(values, 0.0, out=values)
 
+    def heavier(self, factor: float) -> "SignNodes":
+        """Return the same nodes with more weight."""
+        heavy = copy(self)
+        heavy.weight = factor * self.weight
+        return heavy
+
+    def cost(self, shortfall: FloatArray) -> float:
+        """Return Σ weight · v²."""
+        return self.weight * float(np.vdot(shortfall, shortfall))
+
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
         """Return the moments (C, 1) of weight over the active nodes, up to 2·degree."""
         mask = (shortfall > 0.0).astype(float)
@@ -93,19 +106,28 @@ class SignNodes:
 class SignPoints:
     """Single places, in the Chebyshev variables t."""
 
-    def __init__(self, t: FloatArray, side: FloatArray, margin: FloatArray, weight: float) -> None:
-        """Take places (M, d), σ and τ (M,), and the weight of each."""
+    def __init__(self, t: FloatArray, side: FloatArray, margin: FloatArray, weight: FloatArray) -> None:
+        """Take places (M, d), σ, τ and weights (M,)."""
         self.t, self.side, self.margin, self.weight = t, side, margin, weight
         self._tables: dict[int, list[FloatArray]] = {}
 
-    def with_more(self, t: FloatArray, side: FloatArray, margin: FloatArray, weight: float) -> "SignPoints":
-        """Return these and more, all of this weight."""
+    def with_more(self, more: "SignPoints") -> "SignPoints":
+        """Return these and more."""
         return SignPoints(
-            np.concatenate([self.t, t]),
-            np.concatenate([self.side, side]),
-            np.concatenate([self.margin, margin]),
-            weight,
+            np.concatenate([self.t, more.t]),
+            np.concatenate([self.side, more.side]),
+            np.concatenate([self.margin, more.margin]),
+            np.concatenate([self.weight, more.weight]),
         )
+
+    def insisting(self, shortfall: FloatArray, factor: float) -> "SignPoints":
+        """Return the same places, those where f has the wrong sign with more weight."""
+        wrong = shortfall > self.margin
+        return SignPoints(self.t, self.side, self.margin, np.where(wrong, factor * self.weight, self.weight))
+
+    def cost(self, shortfall: FloatArray) -> float:
+        """Return Σ weight · v²."""
+        return float(self.weight @ shortfall**2)
 
     def shortfall(self, tensor: FloatArray) -> FloatArray:
         """Return v (M,)."""
@@ -114,11 +136,11 @@ class SignPoints:
 
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
         """Return the moments (C, 1) of weight over the active places, up to 2·degree."""
-        return gram.moments(self._at(2 * degree), self.weight * (shortfall > 0.0)[None].astype(float))
+        return gram.moments(self._at(2 * degree), np.where(shortfall > 0.0, self.weight, 0.0)[None])
 
     def pull(self, shortfall: FloatArray, degree: int) -> FloatArray:
         """Return weight · Σ σ v P, (m,)."""
-        mu = gram.moments(self._at(degree), self.weight * (self.side * shortfall)[None])
+        mu = gram.moments(self._at(degree), (self.weight * self.side * shortfall)[None])
         return np.asarray(gram.graded(mu, self.t.shape[1], degree)[:, 0])
 
     def _at(self, degree: int) -> list[FloatArray]:
