@@ -89,7 +89,7 @@ def graded(mu: FloatArray, dimension: int, degree: int) -> FloatArray:
 
 
 def grid_moments(weights: FloatArray, table: FloatArray) -> FloatArray:
-    """Return the moments (C, 1) of weights on a tensor grid, all of whose axes have the nodes of `table` (K+1, nodes)."""
+    """Return the moments (C, 1) of weights on a tensor grid with the nodes of `table` (K + 1, nodes) on every axis."""
     tensor = contraction.along_axes(weights, [table] * weights.ndim)
     return np.asarray(tensor[tuple(order(weights.ndim, len(table) - 1).T)][:, None])
 
