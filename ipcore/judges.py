@@ -11,7 +11,9 @@ from ipcore.result import Step, StopReason
 # would compare too few of a kind; on six outlines with noise 0.005 and 0.02, up to degree 18, three found the same
 # minimum as looking at every degree in 23 of 24 searches by gcv and bic.
 LOOK_AHEAD = 3
-LOUD = 1e6  # more than any excess of a quiet fit; linear fits are not surveyed, so among them it changes nothing
+# Larger than any excess: of fits under sign constraints the quiet come first, then those that were at least surveyed
+# and repaired. Linear fits are not surveyed, so among them it changes nothing.
+LOUD = {True: 0.0, False: 1e6, None: 2e6}
 
 
 class Judge(Protocol):
@@ -42,7 +44,7 @@ class DistanceJudge:
 
     def score(self, step: Step) -> float:
         """Return by what factor the fit misses the rule, and much more unless it is known to be quiet."""
-        return self._rule.excess(step.d_dist, step.d_smooth) + (0.0 if step.quiet else LOUD)
+        return self._rule.excess(step.d_dist, step.d_smooth) + LOUD[step.quiet]
 
     def verdict(self, step: Step, best: Step) -> StopReason | None:  # noqa: ARG002 - the rule looks at one fit alone
         """Stop when the rule is met."""

@@ -36,7 +36,7 @@ FEWEST, STEP = 33, 16  # nodes per axis at least, and in what steps they grow, s
 SURVEYS = {2: (251, 501), 3: (91, 129)}  # lines per axis; the second must find nothing, too
 SUBSET, PER_COLUMN = 2000, 6  # points that a fit is made from at first, at least, and per coefficient
 NEARLY = 1.5  # excess below which a fit is refined on all points, balanced, and surveyed
-ROUNDS = 8
+ROUNDS, LAST_ROUNDS = 8, 16  # of repairs, at most; the last degree has no next one to hope for
 HEAVIER = 3.0  # what the weight of all nodes grows by when something is wrong
 FIRST_BOOST, BOOST = 0.02, 3.0  # the weight of a repair's places, and how it grows by the round
 # λ is moved by (excess of D_smooth / excess of D_dist)^1.5 while one is met and the other is not, by 100 at most.
@@ -163,7 +163,7 @@ class QuietFit:
         """Ask for what surveys find missing, until they find nothing; return the fit, and whether it came to that."""
         more: SignPoints | None = None
         grid = [nodes.heavier(HEAVIER) for nodes in objective.signs if isinstance(nodes, SignNodes)]
-        for _ in range(ROUNDS):
+        for _ in range(LAST_ROUNDS if objective.degree == self._last else ROUNDS):
             asked = self._missing(objective.degree, fit.coefficients)
             if asked is None:
                 return fit, True

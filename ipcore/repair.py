@@ -18,6 +18,7 @@ from ipcore.survey import Findings, Survey
 AROUND = 2  # nodes about a suspect that are looked at with it
 SLOPE = 0.25  # of the margin, half of that of the grid's nodes: what is asked for late must be possible
 MOST = 0.02  # the margin at most
+NEARLY, WAYS = 2.0, 20  # cells by which a way may be longer than the shortest, and how many are tried
 LITTLE = 0.002  # the margin where no side can be told; all in units of f, whose slope is 1 about
 
 
@@ -61,8 +62,8 @@ def _minor(found: Findings, side: FloatArray, survey: Survey, sides: Sides) -> l
             if told[k] == 0.0:
                 out.append(_asked(survey.places(here), -sign))
             elif agreement[k] > 0.0:
-                t = _way(here, mine & ~found.minor, survey.lines)
-                if not bool((sides.at(survey.local(t)).side * sign < 0.0).any()):
+                t = _way(here, mine & ~found.minor, sign, survey, sides)
+                if t is not None:
                     out.append(_asked(t, sign))
     return out
 
@@ -71,11 +72,19 @@ def _asked(t: FloatArray, side: float) -> Demands:
     return Demands(t, np.full(len(t), side), np.full(len(t), LITTLE))
 
 
-def _way(here: BoolArray, main: BoolArray, lines: FloatArray) -> FloatArray:
-    """Return places (M, d) along the shortest way from a region to the main one, two to a cell."""
+def _way(here: BoolArray, main: BoolArray, sign: float, survey: Survey, sides: Sides) -> FloatArray | None:
+    """Return places (M, d) along a shortest way from a region to the main one that is nowhere surely on the wrong side.
+
+    Of the region's nodes that are nearly as near to the main one as the nearest, the first with such a way begins it.
+    """
     away, nearest = ndimage.distance_transform_edt(~main, return_indices=True)
     nodes = np.argwhere(here)
-    start = nodes[np.argmin(away[here])]
-    end = nearest[(slice(None), *start)]
-    share = np.linspace(0.0, 1.0, 2 * int(np.abs(end - start).max()) + 1)
-    return np.asarray(lines[0] + (start + share[:, None] * (end - start)) * (lines[1] - lines[0]))
+    order = np.argsort(away[here], kind="stable")
+    close = order[away[here][order] <= away[here].min() + NEARLY]
+    for start in nodes[close[:: max(1, len(close) // WAYS)]]:
+        end = nearest[(slice(None), *start)]
+        share = np.linspace(0.0, 1.0, 2 * int(np.abs(end - start).max()) + 1)[:, None]
+        t = survey.lines[0] + (start + share * (end - start)) * (survey.lines[1] - survey.lines[0])
+        if not bool((sides.at(survey.local(t)).side * sign < 0.0).any()):
+            return np.asarray(t)
+    return None

@@ -17,19 +17,21 @@ def horse() -> FloatArray:
     return np.asarray(max(measure.find_contours((~data.horse()).astype(float), 0.5), key=len))[::3]
 
 
-def star(arms: int = 5, count: int = 400) -> tuple[FloatArray, FloatArray]:
-    """Return a star of rounded arms, r = 1 + 0.35 cos 5θ, and its normals."""
+def star(count: int = 400) -> tuple[FloatArray, FloatArray]:
+    """Return a star of five rounded arms, one of them longer, r = 1 + 0.35 cos 5θ + 0.15 cos θ, and its normals."""
     turn = 2.0 * np.pi * np.arange(count) / count
-    r, slope = 1.0 + 0.35 * np.cos(arms * turn), -0.35 * arms * np.sin(arms * turn)
+    r = 1.0 + 0.35 * np.cos(5.0 * turn) + 0.15 * np.cos(turn)
+    slope = -1.75 * np.sin(5.0 * turn) - 0.15 * np.sin(turn)
     out, along = np.column_stack([np.cos(turn), np.sin(turn)]), np.column_stack([-np.sin(turn), np.cos(turn)])
     tangent = slope[:, None] * out + r[:, None] * along
     normals = np.column_stack([tangent[:, 1], -tangent[:, 0]])
     return r[:, None] * out, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def good(result: FitResult) -> bool:
+def good(result: FitResult, stray: float = 0.0) -> bool:
     found = result.diagnostics
-    return found.d_dist < 0.01 and found.d_smooth > 0.95 and found.stray == 0.0 and found.components == 1
+    close = found.d_dist < 0.01 and found.d_smooth > 0.95
+    return close and found.components == 1 and found.stray is not None and found.stray <= stray
 
 
 @pytest.mark.parametrize("make", [*shapes.CURVES, *shapes.SURFACES])
@@ -37,10 +39,14 @@ def test_known_shapes_are_fitted_well_at_no_higher_degree(make: Callable[[], Sha
     shape = make()
     points, normals = shape.sample(300 if shape.polynomial.dimension == 2 else 1500)
     result = ipcore.fit(points, normals)
-    assert good(result)
+    true = ipcore.zero_set(shape.polynomial, data=points, restrict=False, cap=False).stray  # in gaps of the sample
+    assert true is not None
+    assert good(result, stray=true + 0.01)
     assert result.diagnostics.quiet
     assert result.degree <= shape.polynomial.degree
     assert result.stop_reason is ipcore.StopReason.CRITERION_MET
+    if result.degree == shape.polynomial.degree:
+        assert result.diagnostics.distance_max < 1e-3
 
 
 def test_a_star_needs_a_lower_degree_than_its_linear_fit_which_is_not_quiet() -> None:

@@ -84,17 +84,20 @@ def test_two_shapes_are_two_components_and_nothing_is_asked() -> None:
 
 def test_a_part_cut_off_is_joined() -> None:
     # two squares joined by a bridge 0.03 thick, thinner than sides can tell, that the fit leaves out
-    outline = np.array([[-1, -0.5], [-0.1, -0.5], [-0.1, -0.015], [0.1, -0.015], [0.1, -0.5], [1, -0.5]])
-    outline = np.vstack([outline, (outline * [1, -1])[::-1]])
-    steps = np.roll(outline, -1, axis=0) - outline
-    share = np.arange(0.0, 1.0, 0.02)[:, None, None]
-    points = (outline + share * steps).transpose(1, 0, 2).reshape(-1, 2)
-    unit = np.column_stack([steps[:, 1], -steps[:, 0]]) / np.linalg.norm(steps, axis=1, keepdims=True)
-    sides = Sides(points, np.repeat(unit, len(share), axis=0), BOUNDS)
+    half = [[-1.0, -0.5], [-0.1, -0.5], [-0.1, -0.015], [0.1, -0.015], [0.1, -0.5], [1.0, -0.5]]
+    corners = np.array(half + [[x, -y] for x, y in half[::-1]])
+    steps = np.roll(corners, -1, axis=0) - corners
+    lengths = np.linalg.norm(steps, axis=1)
+    where = [np.arange(0.0, 1.0, 0.02 / length)[:, None] for length in lengths]
+    points = np.vstack([c + w * s for c, w, s in zip(corners, where, steps, strict=True)])
+    unit = np.column_stack([steps[:, 1], -steps[:, 0]]) / lengths[:, None]
+    normals = np.vstack([np.tile(n, (len(w), 1)) for n, w in zip(unit, where, strict=True)])
+    sides = Sides(points, normals, BOUNDS)
     survey = Survey(sides, BOUNDS, 201)
     left = tensor_of({(0, 0): 0.1425, (1, 0): 1.1, (2, 0): 1.0, (0, 2): 1.0})
     right = tensor_of({(0, 0): 0.1425, (1, 0): -1.1, (2, 0): 1.0, (0, 2): 1.0})
     found = survey.look(multiplied(left, right))
+    assert found.components == 2
     asked = demands(found, survey, sides)
     assert asked is not None
     bridge = np.abs(1.3 * asked.t).max(axis=1) < 0.05
