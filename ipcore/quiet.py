@@ -21,7 +21,7 @@ from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.repair import demands
 from ipcore.sides import Sides, crowded
-from ipcore.signs import SignConstraints, SignNodes, SignPoints
+from ipcore.signs import BEYOND, SignConstraints, SignNodes, SignPoints
 from ipcore.survey import Survey
 
 # All of these were tuned on the sets at even places of the list, and are as good on the others (bench/QUALITY.md).
@@ -33,7 +33,9 @@ COLD_DEGREES = 2
 SIGN_WEIGHT = 10.0  # of the mean over all nodes of the box
 PER_DEGREE = {2: 10, 3: 6}  # nodes per degree and axis
 FEWEST, STEP = 33, 16  # nodes per axis at least, and in what steps they grow, so that few grids are made
-SURVEYS = {2: (251, 501), 3: (91, 129)}  # lines per axis; the second must find nothing, too
+# Lines per axis, and by what factor the bounds are grown. The first is as fine as the zero set's report, so that the two
+# agree; the second must find nothing, either.
+SURVEYS = {2: ((240, 1.0), (501, BEYOND)), 3: ((88, 1.0), (129, BEYOND))}
 SUBSET, PER_COLUMN = 2000, 6  # points that a fit is made from at first, at least, and per coefficient
 NEARLY = 1.5  # excess below which a fit is refined on all points, balanced, and surveyed
 ROUNDS, LAST_ROUNDS = 8, 16  # of repairs, at most; the last degree has no next one to hope for
@@ -74,7 +76,7 @@ class QuietFit:
         trusted = self._weights > 0.0
         self._sides = Sides(data.points[trusted], data.normals[trusted], data.bounds)
         self._nodes: dict[int, SignNodes] = {}
-        self._surveys = [Survey(self._sides, data.bounds, lines) for lines in SURVEYS[d]]
+        self._surveys = [Survey(self._sides, data.bounds, *grid) for grid in SURVEYS[d]]
         self._order = np.random.default_rng(0).permutation(count)  # seeded: the same points get the same fit
         self._prefix, self._reached = np.zeros(0), 0
         self._iterations = 0

@@ -13,7 +13,6 @@ from ipcore import basis, contraction
 from ipcore._typing import BoolArray, FloatArray
 from ipcore.basis import Basis
 from ipcore.sides import Sides
-from ipcore.signs import BEYOND
 
 # Farther than this from all data, in mean radii and in point spacings, the zero set is stray.
 FAR_RADII = {2: 0.10, 3: 0.12}
@@ -47,11 +46,11 @@ class Findings:
 
 
 class Survey:
-    """An even grid over the bounds grown by a little."""
+    """An even grid over the bounds."""
 
-    def __init__(self, sides: Sides, bounds: FloatArray, count: int) -> None:
-        """Take `count` lines per axis."""
-        self.lines = BEYOND * np.linspace(-1.0, 1.0, count)
+    def __init__(self, sides: Sides, bounds: FloatArray, count: int, reach: float = 1.0) -> None:
+        """Take `count` lines per axis, over the bounds (2, d) grown by the factor `reach`."""
+        self.lines = reach * np.linspace(-1.0, 1.0, count)
         self._sides = sides
         self._middle, self._half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
         self._far = max(FAR_RADII[len(self._half)], FAR_SPACINGS * sides.spacing)

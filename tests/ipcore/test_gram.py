@@ -57,11 +57,12 @@ def test_differentiation_matrices_differentiate(d: int) -> None:
     a, t, h = generator.normal(size=monomials.count(d, n)), generator.uniform(-0.9, 0.9, (d, 20)), 1e-6
 
     def value(coefficients: FloatArray, at: FloatArray) -> FloatArray:
-        return contraction.scattered(contraction.to_tensor(coefficients, d, n)[None], tables(at, n))[0]
+        return np.asarray(contraction.scattered(contraction.to_tensor(coefficients, d, n)[None], tables(at, n))[0])
 
     for axis in range(d):
         step = h * np.eye(d)[:, axis : axis + 1]
         expected = (value(a, t + step) - value(a, t - step)) / (2.0 * h)
         # central differences: third derivatives, at most n⁶/15 times the sum of coefficients, times h²/6; and rounding
         tolerance = np.abs(a).sum() * (n**6 * h**2 / 90.0 + 4.0 * EPS / h)
-        np.testing.assert_allclose(value(gram.differentiation(d, n, axis) @ a, t), expected, atol=tolerance)
+        slope = np.asarray(gram.differentiation(d, n, axis) @ a)
+        np.testing.assert_allclose(value(slope, t), expected, atol=tolerance)

@@ -77,15 +77,13 @@ def test_neither_place_nor_size_nor_order_of_axes_matters() -> None:
     plain = ipcore.fit(points, normals)
     x = points + 0.02 * normals
     expected = plain.polynomial(x)
-    for place, turned in (
-        (lambda p: 37.0 * p + 1000.0, lambda n: n),
-        (lambda p: p[:, ::-1], lambda n: n[:, ::-1]),
-        (lambda p: p * [-1.0, 1.0], lambda n: n * [-1.0, 1.0]),
-    ):
-        moved = ipcore.fit(place(points), turned(normals))
+    mirror, swap = np.diag([-1.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
+    for size, place, turn in ((37.0, 1000.0, np.eye(2)), (1.0, 0.0, swap), (1.0, 0.0, mirror)):
+        moved = ipcore.fit(size * points @ turn + place, normals @ turn)
         assert moved.degree == plain.degree
         # rounding is amplified on the way down: by the condition, and where a step is taken or not
-        np.testing.assert_allclose(moved.polynomial(place(x)), expected, atol=1e-3 * np.abs(expected).max())
+        found = moved.polynomial(size * x @ turn + place)
+        np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
 
 
 def test_a_fixed_degree_is_fitted_the_same_way() -> None:
@@ -111,7 +109,7 @@ def test_each_half_can_be_had_alone(signs: bool, geometric: bool) -> None:  # no
 def test_parts_that_do_not_belong_together_stay_apart() -> None:
     turn = 2.0 * np.pi * np.arange(150) / 150
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    points, normals = np.vstack([circle, circle + [3.0, 0.0]]), np.vstack([circle, circle])
+    points, normals = np.vstack([circle, circle + np.array([3.0, 0.0])]), np.vstack([circle, circle])
     result = ipcore.fit(points, normals)
     assert result.stop_reason is ipcore.StopReason.CRITERION_MET
     assert result.diagnostics.components == 2

@@ -15,7 +15,7 @@ def test_sides_are_those_of_the_polynomial(make: Callable[[], Shape]) -> None:
     shape = make()
     bounds = shape.polynomial.bounds
     points, normals = shape.sample(400 if len(bounds[0]) == 2 else 4000)
-    places = np.random.default_rng(1).uniform(*bounds, (4000, len(bounds[0])))
+    places = np.random.default_rng(1).uniform(bounds[0], bounds[1], (4000, len(bounds[0])))
     located = Sides(points, normals, bounds).at(places)
     truth = np.sign(shape.polynomial(places))
     told = located.side != 0.0
@@ -48,7 +48,7 @@ def test_thin_parts_have_an_inside() -> None:
     middle = np.column_stack([np.linspace(-0.9, 0.9, 50), np.zeros(50)])
     sides = Sides(points, normals, np.array([[-1.3, -0.4], [1.3, 0.4]]))
     assert (sides.at(middle).side == -1.0).all()
-    assert (sides.at(middle + [0.0, 0.1]).side == 1.0).all()
+    assert (sides.at(middle + np.array([0.0, 0.1])).side == 1.0).all()
 
 
 def test_half_a_sphere_is_sure_beside_its_surface_and_unsure_in_its_opening() -> None:
