@@ -33,8 +33,8 @@ COLD_DEGREES = 2
 SIGN_WEIGHT = 10.0  # of the mean over all nodes of the box
 PER_DEGREE = {2: 10, 3: 6}  # nodes per degree and axis
 FEWEST, STEP = 33, 16  # nodes per axis at least, and in what steps they grow, so that few grids are made
-# Lines per axis, and by what factor the bounds are grown. The first is as fine as the zero set's report, so that the two
-# agree; the second must find nothing, either.
+# Lines per axis, and by what factor the bounds are grown. The first is as fine as the report of the zero set, so that
+# the two agree; the second must find nothing, either.
 SURVEYS = {2: ((240, 1.0), (501, BEYOND)), 3: ((88, 1.0), (129, BEYOND))}
 SUBSET, PER_COLUMN = 2000, 6  # points that a fit is made from at first, at least, and per coefficient
 NEARLY = 1.5  # excess below which a fit is refined on all points, balanced, and surveyed
