@@ -11,10 +11,11 @@ from ipcore import points as pointset
 from ipcore.choices import Constraints, Criterion, Granularity, chosen
 from ipcore.errors import InvalidOptionsError
 from ipcore.judges import Judge, LastJudge, judge
-from ipcore.linear import prefix_fit
+from ipcore.linear import PrefixFit, prefix_fit
 from ipcore.options import HIGHEST_DEGREE, FitOptions
 from ipcore.oriented import OrientedPoints, sha256
 from ipcore.points import PointSet
+from ipcore.quiet import QuietFit
 from ipcore.ranges import integer
 from ipcore.report import diagnose
 from ipcore.result import FitResult, StopReason
@@ -85,7 +86,7 @@ def fit_fixed(
     degree
         The total degree n: 1 … 40 in 2D, 1 … 20 in 3D.
     method
-        The constraint family, in place of that among the options.
+        The constraint family of a linear fit, in place of what the options ask for.
 
     Raises
     ------
@@ -109,8 +110,10 @@ def fit_fixed(
             f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
         )
     options = options or FitOptions()
-    family = options.constraints if method is None else chosen("method", method, Constraints)
-    options = replace(options, max_degree=degree, criterion=Criterion.NONE, constraints=family)
+    options = replace(options, max_degree=degree, criterion=Criterion.NONE)
+    if method is not None:
+        family = chosen("method", method, Constraints)
+        options = replace(options, constraints=family, signs=False, geometric=False)
     return _searched(given, options, [columns], LastJudge(), None)
 
 
@@ -119,10 +122,13 @@ def _searched(
 ) -> FitResult:
     """Orient the points, search over these stops, and report."""
     data = OrientedPoints.of(given, options.neighbours)
-    linear = prefix_fit(data, options, monomials.degree_of(data.points.shape[1], alphas[-1]))
-    search = DegreeSearch(data, options, linear, by)
+    top = monomials.degree_of(data.points.shape[1], alphas[-1])
+    linear = options.is_linear or given.planar
+    how: PrefixFit = prefix_fit(data, options, top) if linear else QuietFit(data, options, top)
+    search = DegreeSearch(data, options, how, by)
     found = search.run(alphas, progress)
-    diagnosis = diagnose(found.polynomial, data, options, found.reason, linear.orthogonality_loss(found.step.columns))
+    loss = how.orthogonality_loss(found.step.columns)
+    diagnosis = diagnose(found.fitted, data, options, found.reason, loss)
     return FitResult(
         diagnosis.polynomial,
         found.reason,

@@ -37,8 +37,10 @@ class Closeness:
     d_smooth: float
 
     @classmethod
-    def of(cls, f: FloatArray, gradient: FloatArray, normals: FloatArray) -> "Closeness":
-        """Measure from f (N,) and ∇f (N, d) in the normalised frame and unit normals (N, d).
+    def of(
+        cls, f: FloatArray, gradient: FloatArray, normals: FloatArray, weights: FloatArray | None = None
+    ) -> "Closeness":
+        """Measure from f (N,) and ∇f (N, d) in the normalised frame and unit normals (N, d); the means may be weighted.
 
         >>> at = Closeness.of(np.array([0.1]), np.array([[0.0, 2.0]]), np.array([[0.0, 1.0]]))
         >>> at.d_dist, at.d_smooth
@@ -47,7 +49,7 @@ class Closeness:
         size = np.maximum(np.linalg.norm(gradient, axis=1), np.finfo(float).tiny)  # a flat point is far, not undefined
         distances = np.abs(f) / size
         cosine = np.einsum("ij,ij->i", normals, gradient) / size
-        return cls(distances, float(distances.mean()), float(cosine.mean()))
+        return cls(distances, float(np.average(distances, weights=weights)), float(np.average(cosine, weights=weights)))
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,12 @@ class StoppingRule:
         >>> StoppingRule(0.01, 0.95).excess(0.02, 0.99)
         2.0
         """
+        return max(self.excesses(d_dist, d_smooth))
+
+    def excesses(self, d_dist: float, d_smooth: float) -> tuple[float, float]:
+        """Return the two quotients."""
         tiny = np.finfo(float).tiny
-        return max(d_dist / max(self.t1, tiny), (1.0 - d_smooth) / max(1.0 - self.t2, tiny))
+        return d_dist / max(self.t1, tiny), (1.0 - d_smooth) / max(1.0 - self.t2, tiny)
 
 
 def gcv(rows: int, freedom: float, rss: float) -> float:

@@ -11,6 +11,9 @@ from ipcore.result import Step, StopReason
 # would compare too few of a kind; on six outlines with noise 0.005 and 0.02, up to degree 18, three found the same
 # minimum as looking at every degree in 23 of 24 searches by gcv and bic.
 LOOK_AHEAD = 3
+# Larger than any excess: of fits under sign constraints the quiet come first, then those that were at least surveyed
+# and repaired. Linear fits are not surveyed, so among them it changes nothing.
+LOUD = {True: 0.0, False: 1e6, None: 2e6}
 
 
 class Judge(Protocol):
@@ -28,7 +31,10 @@ class Judge(Protocol):
 
 
 class DistanceJudge:
-    """The paper's rule (7): the first fit that is close and smooth enough, else the one that is nearest to being so."""
+    """The paper's rule (7): the first fit that is close and smooth enough, else the one that is nearest to being so.
+
+    Fits under sign constraints must be quiet, too; quiet ones are better than all others.
+    """
 
     exhausted = StopReason.MAX_DEGREE
 
@@ -37,12 +43,13 @@ class DistanceJudge:
         self._rule = rule
 
     def score(self, step: Step) -> float:
-        """Return by what factor the fit misses the rule."""
-        return self._rule.excess(step.d_dist, step.d_smooth)
+        """Return by what factor the fit misses the rule, and much more unless it is known to be quiet."""
+        return self._rule.excess(step.d_dist, step.d_smooth) + LOUD[step.quiet]
 
     def verdict(self, step: Step, best: Step) -> StopReason | None:  # noqa: ARG002 - the rule looks at one fit alone
         """Stop when the rule is met."""
-        return StopReason.CRITERION_MET if self._rule.met(step.d_dist, step.d_smooth) else None
+        met = self._rule.met(step.d_dist, step.d_smooth) and step.quiet is not False
+        return StopReason.CRITERION_MET if met else None
 
 
 class MinimumJudge:

@@ -37,6 +37,14 @@ class LinearStep:
         Estimated condition of R with columns scaled to length 1, and the paper's measure of it.
     loo
         Mean squared error at points left out; None unless asked for.
+    iterations
+        Steps of the nonlinear fit.
+    quiet
+        Whether a survey found the zero set by the data and nowhere else; None if it was not looked at.
+    unsure
+        Share of the box, without what is near the data, where signs could not be told; None if none were asked for.
+    weights
+        (N,), what each point counts, if not all the same.
 
     """
 
@@ -50,6 +58,10 @@ class LinearStep:
     condition: float
     diagonal_ratio: float
     loo: float | None
+    iterations: int = 0
+    quiet: bool | None = None
+    unsure: float | None = None
+    weights: FloatArray | None = None
 
 
 class PrefixFit(Protocol):

@@ -70,6 +70,17 @@ class FitOptions:
         D, the weights of the squared coefficients, of the monomials of the frame.
     ridge_strength
         κ, the weight of the damping; 0 < κ ≤ 1e6.
+    signs
+        Whether f is told its sign in the box away from the data. By default it is whenever `geometric` is on.
+    geometric
+        Whether to minimise distances and angles instead of the linear equations' errors, from `ipcore.geometric`'s
+        homotopy. By default on, unless an option is given that only a linear fit has: another `constraints`,
+        `granularity` or `factor`, `ridge`, `collinear`, or a criterion other than distance and none.
+    angle_weight
+        λ, the weight of squared differences between normals and ∇f/‖∇f‖ against squared distances; 0 < λ ≤ 1. At the
+        default both count the same where D_dist = 0.01 and D_smooth = 0.95.
+    robust
+        Whether points that lie far from the fit are left out, of the fit and of what is reported of it.
     neighbours
         How many neighbours estimate a normal, when none are given; at least 3.
     basis
@@ -98,6 +109,10 @@ class FitOptions:
     ridge: Ridge = Ridge.NONE
     ridge_matrix: RidgeMatrix = RidgeMatrix.INVARIANT
     ridge_strength: float = 1e-4
+    signs: bool | None = None
+    geometric: bool | None = None
+    angle_weight: float = 0.001
+    robust: bool = False
     neighbours: int = 12
     basis: Basis = Basis.MONOMIAL
     measure_zero_set: bool = True
@@ -136,6 +151,7 @@ class FitOptions:
         number("t2", self.t2, -1.0, 1.0)
         number("collinear_tol", self.collinear_tol, 0.0, 1.0)
         number("ridge_strength", self.ridge_strength, 0.0, 1e6, open_below=True)
+        number("angle_weight", self.angle_weight, 0.0, 1.0, open_below=True)
         integer("neighbours", self.neighbours, 3, 100)
         self._check_together()
 
@@ -152,6 +168,42 @@ class FitOptions:
                 f"collinear is ridge exactly when ridge is selective, not {self.collinear} with ridge {self.ridge}",
                 ("collinear",),
             )
+
+        if self._asks_for_linear and (self.signs or self.geometric):
+            name = "geometric" if self.geometric else "signs"
+            raise InvalidOptionsError(
+                f"{name} goes with 3l constraints, complete forms, no ridge, and the criterion distance or none",
+                (name,),
+            )
+        if self.robust and self.is_linear:
+            raise InvalidOptionsError("robust needs the geometric fit, or that under sign constraints", ("robust",))
+
+    @property
+    def _asks_for_linear(self) -> bool:
+        """Whether something was chosen that only a linear fit has."""
+        return (
+            self.constraints is not Constraints.THREE_LAYER
+            or self.granularity is not Granularity.FORM
+            or self.factor is not Factor.AUTO
+            or self.ridge is not Ridge.NONE
+            or self.collinear is not None
+            or self.criterion not in {Criterion.DISTANCE, Criterion.NONE}
+        )
+
+    @property
+    def on_geometric(self) -> bool:
+        """Return whether distances and angles are minimised, the default filled in."""
+        return not self._asks_for_linear if self.geometric is None else self.geometric
+
+    @property
+    def on_signs(self) -> bool:
+        """Return whether signs are constrained, the default filled in."""
+        return self.on_geometric if self.signs is None else self.signs
+
+    @property
+    def is_linear(self) -> bool:
+        """Return whether the fit is the solution of linear equations."""
+        return not (self.on_geometric or self.on_signs)
 
     @property
     def on_collinear(self) -> Collinear:

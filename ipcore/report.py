@@ -8,6 +8,7 @@ from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 from ipcore.boundedness import is_bounded
 from ipcore.criteria import Closeness
+from ipcore.linear import LinearStep
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
@@ -22,6 +23,8 @@ TRUSTED_NORMALS = 0.9
 QUIET = 0.001
 # Relative error of the solution that lost orthogonality may cause before a warning says so.
 LOST = 1e-3
+# Share of the box with unknown sides above which a warning says so: closed shapes have less than 2 %, scans more.
+UNSURE = 0.05
 # Ends that are what the caller asked for, and need no warning.
 AS_ASKED = {StopReason.CRITERION_MET, StopReason.CRITERION_MINIMUM, StopReason.DEGREE_REACHED}
 # Grid points along the longest axis of the bounds when the zero set is only measured.
@@ -38,16 +41,17 @@ class Diagnosis:
 
 
 def diagnose(
-    best: ImplicitPolynomial,
+    best: LinearStep,
     data: OrientedPoints,
     options: FitOptions,
     reason: StopReason,
     orthogonality_loss: float | None,
 ) -> Diagnosis:
     """Deliver a polynomial of the normalised frame: change basis and coordinates, and measure what comes out."""
-    local = best.to_monomial() if options.basis is Basis.MONOMIAL else best.to_chebyshev()
+    fitted, weights = best.polynomial, best.weights
+    local = fitted.to_monomial() if options.basis is Basis.MONOMIAL else fitted.to_chebyshev()
     f, gradient = local.value_and_gradient(data.points)
-    at = Closeness.of(f, gradient, data.normals)
+    at = Closeness.of(f, gradient, data.normals, weights)
     stray, components = _survey(local, data) if options.measure_zero_set else (None, None)
     diagnostics = Diagnostics(
         at.d_dist,
@@ -58,10 +62,13 @@ def diagnose(
         components,
         data.source,
         data.self_check(),
-        is_bounded(best),
+        is_bounded(fitted),
         orthogonality_loss,
+        bool(best.quiet) if options.on_signs else None,
+        best.unsure,
+        None if weights is None else float((weights == 0.0).mean()),
     )
-    moved = _moved(best, f, gradient, data.points)
+    moved = _moved(fitted, f, gradient, data.points)
     return Diagnosis(data.to_raw(local), diagnostics, tuple(_warnings(diagnostics, reason, moved)))
 
 
@@ -85,6 +92,15 @@ def _warnings(diagnostics: Diagnostics, reason: StopReason, moved: float) -> lis
             f"Only {diagnostics.normal_self_check:.0%} of the normals agree with the inside that all of them describe: "
             "the surface is open or very thin, or some normals point the wrong way."
         )
+    if diagnostics.quiet is False:
+        warnings.append("The zero set has parts away from the data or in pieces that no constraint could remove.")
+    if (diagnostics.unsure or 0.0) > UNSURE:
+        warnings.append(
+            f"In {diagnostics.unsure:.0%} of the box the points do not tell inside from outside, for the surface is "
+            "open or sparse there: nothing was asked of f, and its sign is a guess."
+        )
+    if diagnostics.outliers:
+        warnings.append(f"{diagnostics.outliers:.1%} of the points were taken for outliers and do not count.")
     if diagnostics.stray is not None and diagnostics.stray > QUIET:
         warnings.append(
             f"{diagnostics.stray:.1%} of the zero set within the bounds lies away from all data; a mesh restricted to "

@@ -67,6 +67,12 @@ class Step:
         Mean squared error of the rows of points left out one by one, in squared mean radii; None unless asked for.
     diagonal_ratio
         max |r_ii| / min |r_ii|, by which the paper judges the condition (section 5.1): only a lower bound of it.
+    iterations
+        Steps of the geometric fit or of that under sign constraints; 0 if it is linear. `rss` is then the sum of
+        squared first-order distances, and `condition` and `diagonal_ratio` are those of the Jacobian.
+    quiet
+        Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not looked
+        at, because the fit is linear or still far from the criterion.
 
     """
 
@@ -83,6 +89,8 @@ class Step:
     bic: float | None = None
     loo: float | None = None
     diagonal_ratio: float | None = None
+    iterations: int = 0
+    quiet: bool | None = None
 
     @property
     def alpha(self) -> int:
@@ -113,6 +121,13 @@ class Diagnostics:
         Whether the leading form is definite: then the degree is even and no part of the zero set runs to infinity.
     orthogonality_loss
         ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None where another factorisation keeps it.
+    quiet
+        Whether, with signs constrained, the zero set kept to the data and was whole on two fine grids; None if that was
+        not asked for. Where points are farther apart than what counts as stray, it crosses the gap and is quiet still.
+    unsure
+        Share of the box, without what is near the data, where the data do not tell inside from outside.
+    outliers
+        Share of the points that a robust fit left out, and that no other figure counts; None without it.
 
     """
 
@@ -126,6 +141,9 @@ class Diagnostics:
     normal_self_check: float
     bounded: bool | None = None
     orthogonality_loss: float | None = None
+    quiet: bool | None = None
+    unsure: float | None = None
+    outliers: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,6 @@ from ipcore.judges import Judge
 from ipcore.linear import LinearStep, PrefixFit
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
-from ipcore.polynomial import ImplicitPolynomial
 from ipcore.result import Step, StopReason
 
 Progress = Callable[[Step], None]
@@ -22,9 +21,9 @@ Progress = Callable[[Step], None]
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """How a search ended: its best polynomial, in the normalised frame, and the step that made it."""
+    """How a search ended: its best fit, in the normalised frame, and what was noted of it."""
 
-    polynomial: ImplicitPolynomial
+    fitted: LinearStep
     step: Step
     reason: StopReason
 
@@ -54,16 +53,16 @@ class DegreeSearch:
     def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
         """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
         count, dimension = self._data.points.shape
-        best: tuple[float, ImplicitPolynomial, Step] | None = None
+        best: tuple[float, LinearStep, Step] | None = None
         reason = self._judge.exhausted
         for alpha in alphas:
             if best is not None and alpha > max(count, dimension + 1):
                 reason = StopReason.TOO_FEW_POINTS
                 break
-            polynomial, step = self._try(alpha)
+            fitted, step = self._try(alpha)
             score = self._judge.score(step)
             if best is None or score < best[0]:
-                best = score, polynomial, step
+                best = score, fitted, step
             if progress is not None:
                 progress(step)
             verdict = self._judge.verdict(step, best[2])
@@ -74,13 +73,14 @@ class DegreeSearch:
             raise ValueError("a search needs at least one stop")
         return Found(best[1], best[2], reason)
 
-    def _try(self, alpha: int) -> tuple[ImplicitPolynomial, Step]:
+    def _try(self, alpha: int) -> tuple[LinearStep, Step]:
         started = perf_counter()
         fitted = self._fit.raise_to(alpha)
-        at = Closeness.of(*fitted.polynomial.value_and_gradient(self._data.points), self._data.normals)
+        seen = fitted.polynomial.value_and_gradient(self._data.points)
+        at = Closeness.of(*seen, self._data.normals, fitted.weights)
         step = self._step(fitted, at, started)
         self.steps.append(step)
-        return fitted.polynomial, step
+        return fitted, step
 
     def _step(self, fitted: LinearStep, at: Closeness, started: float) -> Step:
         asked = self._options.criterion is Criterion.BIC
@@ -98,4 +98,6 @@ class DegreeSearch:
             bic=criteria.bic(fitted.rows, fitted.freedom, fitted.rss) if asked else None,
             loo=fitted.loo,
             diagonal_ratio=fitted.diagonal_ratio,
+            iterations=fitted.iterations,
+            quiet=fitted.quiet,
         )

@@ -103,6 +103,28 @@ class FitOptions(BaseModel):
         le=1e6,
         description="κ of the ridge. Raise it until the zero set is calm enough; D_dist rises with it.",
     )
+    signs: bool | None = Field(
+        None,
+        description="Whether f is told to be positive outside and negative inside, away from the points, so that no "
+        "stray curve or sheet is left there. Alone, with `geometric` off, it is quick, but needs a higher degree.",
+    )
+    geometric: bool | None = Field(
+        None,
+        description="Whether to minimise distances and angles themselves, from a linear start: a lower degree is as "
+        "close. Off, the fit is linear and faster. Both are on unless you choose what only a linear fit has: other "
+        "`constraints`, `granularity`, `factor`, `collinear` or `ridge`, or `criterion` gcv, bic or loo.",
+    )
+    angle_weight: float = Field(
+        0.001,
+        gt=0,
+        le=1,
+        description="λ, the weight of normals against distances in the geometric fit. Lower it for noisy normals.",
+    )
+    robust: bool = Field(
+        default=False,
+        description="Whether points far from the fit are left out. For data with outliers; D_dist and D_smooth are "
+        "then those of the others.",
+    )
     neighbours: int = Field(
         12,
         ge=3,
@@ -122,7 +144,7 @@ class FitOptions(BaseModel):
     )
 
 
-UNSAID = {"max_degree": "by dimension", "collinear": "by `ridge`"}
+UNSAID = {"max_degree": "by dimension", "collinear": "by `ridge`", "signs": "see `geometric`", "geometric": "on"}
 
 
 def default(name: str) -> str:
@@ -137,7 +159,7 @@ def values(field: FieldInfo) -> str:
     words = [word for kind in kinds for word in (get_args(kind) or [kind]) if isinstance(word, str)]
     if words:
         return " ".join(f"`{word}`" for word in words)
-    if field.annotation is bool:
+    if bool in kinds:
         return "`true` `false`"
     signs = {"ge": "≥", "gt": ">", "le": "≤", "lt": "<"}
     return ", ".join(

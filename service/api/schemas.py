@@ -99,6 +99,10 @@ class Step(BaseModel):
     diagonal_ratio: float | None = Field(
         description="max |r_ii| / min |r_ii|, the paper's measure: a lower bound of the condition."
     )
+    iterations: int = Field(description="Steps of the geometric fit; 0 if it is linear.")
+    quiet: bool | None = Field(
+        description="Whether the zero set keeps to the points and is whole; null if that was not looked at."
+    )
 
 
 class Diagnostics(BaseModel):
@@ -123,6 +127,14 @@ class Diagnostics(BaseModel):
     orthogonality_loss: float | None = Field(
         description="‖QᵀQ − I‖₂ of the paper's eq. (5); null where another factorisation keeps it at rounding."
     )
+    quiet: bool | None = Field(
+        description="Whether the zero set keeps to the points (and the gaps between them) and is whole, within the "
+        "bounds; null if no signs were asked for."
+    )
+    unsure: float | None = Field(
+        description="Share of the bounds, away from the points, where they do not tell inside from outside."
+    )
+    outliers: float | None = Field(description="Share of the points that a robust fit left out; null without it.")
 
 
 class Engine(BaseModel):

@@ -15,7 +15,7 @@ from uuid import uuid4
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
-from service.jobs.errors import DeadlineExceededError, WorkerCrashedError
+from service.jobs.errors import DeadlineExceededError, OutOfMemoryError, WorkerCrashedError
 from service.workers import process, progress
 
 logger = logging.getLogger(__name__)
@@ -130,7 +130,7 @@ class WorkerPool:
             await self._evict(seat, task)
             code = f" with code {error.exitcode}" if isinstance(error, ProcessExpired) else ""
             raise WorkerCrashedError(f"the worker process ended{code}") from error
-        except asyncio.CancelledError:
+        except (asyncio.CancelledError, OutOfMemoryError):  # one that is full may stay so, and fail what comes next
             await self._evict(seat, task)
             raise
         except Exception as error:

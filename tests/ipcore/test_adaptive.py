@@ -40,8 +40,9 @@ def test_a_fit_does_not_care_how_the_shape_lies(make: Callable[[], Shape]) -> No
     points, normals = sampled(make)
     d = points.shape[1]
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(d, d)))[0]  # a rigid motion, mirrored or not
-    plain = ipcore.fit(points, normals)
-    moved = ipcore.fit(37.0 * points @ rotation.T + 1000.0, normals @ rotation.T)
+    linear = ipcore.FitOptions(geometric=False)  # signs are asked for on a grid along the axes
+    plain = ipcore.fit(points, normals, linear)
+    moved = ipcore.fit(37.0 * points @ rotation.T + 1000.0, normals @ rotation.T, linear)
     assert moved.degree == plain.degree
     # both solve the same least-squares problem, so they differ by rounding times the condition they report; the shift
     # alone costs the data themselves eps · 1000/37
@@ -163,7 +164,9 @@ def test_stray_sheets_are_measured_and_reported() -> None:
     assert (quiet.stray, quiet.components) == (0.0, 1)
     unmeasured = ipcore.fit(points, normals, ipcore.FitOptions(measure_zero_set=False)).diagnostics
     assert (unmeasured.stray, unmeasured.components) == (None, None)
-    wild = ipcore.fit(outline((~data.horse()).astype(float), 0.5), options=ipcore.FitOptions(max_degree=12))
+    wild = ipcore.fit(
+        outline((~data.horse()).astype(float), 0.5), options=ipcore.FitOptions(max_degree=12, geometric=False)
+    )
     assert wild.diagnostics.stray is not None
     assert wild.diagnostics.stray > 0.05
     assert any("away from all data" in warning for warning in wild.warnings)

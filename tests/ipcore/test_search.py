@@ -62,7 +62,12 @@ def test_without_a_criterion_the_last_degree_is_the_answer() -> None:
 def test_a_fixed_degree_is_what_the_search_has_at_that_degree(family: Constraints, granularity: str) -> None:
     points, normals = shapes.superellipse().sample(300)
     options = FitOptions.of(
-        constraints=family, granularity=granularity, criterion="none", max_degree=5, measure_zero_set=False
+        constraints=family,
+        granularity=granularity,
+        criterion="none",
+        max_degree=5,
+        geometric=False,
+        measure_zero_set=False,
     )
     trace = ipcore.fit(points, normals, options).steps
     fixed = ipcore.fit_fixed(points, normals, QUICK, degree=3, method=str(family))
@@ -124,14 +129,16 @@ def test_a_way_to_fit_can_be_plugged_in() -> None:
 
     found = DegreeSearch(data, FitOptions(), Halved(), judge(FitOptions())).run([3, 6, 10, 15], None)
     assert (found.step.degree, found.reason) == (2, StopReason.CRITERION_MET)
-    whole = ipcore.fit(points, normals, QUICK).polynomial
-    np.testing.assert_allclose(2.0 * found.polynomial(data.points), whole(points), atol=1e-13)
+    whole = ipcore.fit_fixed(points, normals, QUICK, degree=2, method="3l").polynomial
+    np.testing.assert_allclose(2.0 * found.fitted.polynomial(data.points), whole(points), atol=1e-13)
 
 
 @pytest.mark.parametrize("family", [Constraints.THREE_LAYER, Constraints.TAUBIN])
 def test_when_every_column_counts_as_collinear_nothing_is_fitted(family: Constraints) -> None:
     points, normals = shapes.circle().sample(30)
-    options = FitOptions.of(constraints=family, collinear_tol=1.0, max_degree=3, measure_zero_set=False)
+    options = FitOptions.of(
+        constraints=family, collinear_tol=1.0, max_degree=3, geometric=False, measure_zero_set=False
+    )
     result = ipcore.fit(points, normals, options)
     assert result.stop_reason is StopReason.MAX_DEGREE
     assert result.steps[-1].dropped >= 9

@@ -1,0 +1,90 @@
+"""Levenberg–Marquardt: Gauss–Newton steps, damped until they lead down.
+
+The damping follows Nielsen (Damping parameter in Marquardt's method, IMM-REP-1999-05): after a step that gains as much
+as the quadratic model says it falls tenfold, after one that gains nothing it grows, faster each time.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.linalg import lapack
+
+from ipcore._typing import FloatArray
+from ipcore.geometric import Look
+
+# Relative to a unit diagonal. More keeps the new coefficients of a degree near 0, and the fit in the old one's minimum.
+FIRST = 1e-6
+LEAST = 1e-12
+TRIALS = 12  # of dampings: the last is about 10²⁰ times the first, no step at all
+FALL = 0.1
+# What is added to the diagonal, damping apart, where rounding has made the matrix indefinite.
+SHIFTS = (0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9)
+
+
+class LeastSquares(Protocol):
+    """A sum of squares, by its value and its normal equations."""
+
+    def look(self, a: FloatArray) -> Look:
+        """Return what there is to see at a."""
+        ...
+
+    def normal_equations(self, look: Look) -> tuple[FloatArray, FloatArray]:
+        """Return the Gauss–Newton matrix and half the negative gradient."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Where the steps ended: the coefficients, what is seen there, and how many steps it took."""
+
+    coefficients: FloatArray
+    look: Look
+    steps: int
+
+
+def refine(objective: LeastSquares, a: FloatArray, steps: int, tolerance: float, patience: int) -> Refined:
+    """Go down from a until `patience` steps running have gained less than this share of the value each."""
+    look, damping, slow, step = objective.look(a), FIRST, 0, 0
+    for step in range(1, steps + 1):  # noqa: B007 - the number of steps is part of the answer
+        H, r = objective.normal_equations(look)
+        grow = 4.0
+        for _ in range(TRIALS):
+            p = solve(H, r, damping)
+            there = objective.look(a + p)
+            if there.value < look.value:
+                break
+            damping, grow = damping * grow, grow * 2.0
+        else:
+            break
+        gain = look.value - there.value
+        agreement = gain / float(p @ (2.0 * r - H @ p))
+        slow = slow + 1 if gain < tolerance * look.value else 0
+        a, look = a + p, there
+        damping = max(damping * max(FALL, 1.0 - (2.0 * agreement - 1.0) ** 3), LEAST)
+        if slow == patience:
+            break
+    return Refined(a, look, step)
+
+
+def solve(H: FloatArray, r: FloatArray, damping: float = 0.0) -> FloatArray:
+    """Return p with (H + damping · diag H) p = r, H (m, m) symmetric and not negative.
+
+    >>> solve(np.array([[2.0, 0.0], [0.0, 4.0]]), np.array([2.0, 2.0])).round(12).tolist()
+    [1.0, 0.5]
+    """
+    scaled, s = unit_diagonal(H)
+    diagonal = np.diag_indices(len(H))
+    for shift in SHIFTS:
+        A = scaled.copy()
+        A[diagonal] += damping + shift
+        factor, failed = lapack.dpotrf(A)
+        if not failed:
+            return np.asarray(s * lapack.dpotrs(factor, s * r)[0])
+    raise ArithmeticError("the normal equations are not positive definite, even with a shift of 1e-9")
+
+
+def unit_diagonal(H: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return S H S with S diagonal such that the diagonal is 1, and S's own (m,)."""
+    s = 1.0 / np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
+    return H * s * s[:, None], s

@@ -1,0 +1,90 @@
+"""Sign constraints for what a survey has found wrong.
+
+Nodes near a suspect that have the wrong sign, or barely the right one, are asked for the right one. A minor region is
+either wrong as a whole, or right but cut off where a part of the shape (or of the space beside it) is thinner than the
+sides can tell; then the shortest way to the main region of its sign is asked for that sign. If that way leads through
+places that are surely on the other side, it is a part of its own, and nothing is wrong. What is too small to tell goes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ipcore._typing import BoolArray, FloatArray
+from ipcore.sides import Sides
+from ipcore.survey import Findings, Survey
+
+AROUND = 2  # nodes about a suspect that are looked at with it
+SLOPE = 0.25  # of the margin, half of that of the grid's nodes: what is asked for late must be possible
+MOST = 0.02  # the margin at most
+NEARLY, WAYS = 2.0, 20  # cells by which a way may be longer than the shortest, and how many are tried
+LITTLE = 0.002  # the margin where no side can be told; all in units of f, whose slope is 1 about
+
+
+@dataclass(frozen=True, eq=False)
+class Demands:
+    """Places in the Chebyshev variables (M, d), the side to be had there and its margin (M,)."""
+
+    t: FloatArray
+    side: FloatArray
+    margin: FloatArray
+
+
+def demands(found: Findings, survey: Survey, sides: Sides) -> Demands | None:
+    """Return what to ask for, or None if nothing is known to be wrong."""
+    zone = ndimage.binary_dilation(found.suspect, iterations=AROUND)
+    t, f = survey.places(zone), found.f[zone]
+    located = sides.at(survey.local(t))
+    side = np.zeros(found.f.shape)
+    side[zone] = located.side
+    parts = _minor(found, side, survey, sides)
+    if not parts and not bool((located.side * f < 0.0).any()):
+        return None
+    margin = np.minimum(SLOPE * located.distance, MOST)
+    short = (located.side != 0.0) & (located.side * f < margin)
+    parts.append(Demands(t[short], located.side[short], margin[short]))
+    joined = [np.concatenate(column) for column in zip(*((p.t, p.side, p.margin) for p in parts), strict=True)]
+    return Demands(*joined)
+
+
+def _minor(found: Findings, side: FloatArray, survey: Survey, sides: Sides) -> list[Demands]:
+    """Return what to ask for of each minor region as a whole."""
+    out = []
+    for sign in (-1.0, 1.0):
+        mine = (found.f < 0.0) == (sign < 0.0)
+        labels, count = ndimage.label(found.minor & mine)
+        places = np.arange(1, count + 1)
+        agreement = np.atleast_1d(ndimage.sum_labels(side * sign, labels, places))
+        told = np.atleast_1d(ndimage.sum_labels(side != 0.0, labels, places))
+        for k in range(count):
+            here: BoolArray = labels == k + 1
+            if told[k] == 0.0:
+                out.append(_asked(survey.places(here), -sign))
+            elif agreement[k] > 0.0:
+                t = _way(here, mine & ~found.minor, sign, survey, sides)
+                if t is not None:
+                    out.append(_asked(t, sign))
+    return out
+
+
+def _asked(t: FloatArray, side: float) -> Demands:
+    return Demands(t, np.full(len(t), side), np.full(len(t), LITTLE))
+
+
+def _way(here: BoolArray, main: BoolArray, sign: float, survey: Survey, sides: Sides) -> FloatArray | None:
+    """Return places (M, d) along a shortest way from a region to the main one that is nowhere surely on the wrong side.
+
+    Of the region's nodes that are nearly as near to the main one as the nearest, the first with such a way begins it.
+    """
+    away, nearest = ndimage.distance_transform_edt(~main, return_indices=True)
+    nodes = np.argwhere(here)
+    order = np.argsort(away[here], kind="stable")
+    close = order[away[here][order] <= away[here].min() + NEARLY]
+    for start in nodes[close[:: max(1, len(close) // WAYS)]]:
+        end = nearest[(slice(None), *start)]
+        share = np.linspace(0.0, 1.0, 2 * int(np.abs(end - start).max()) + 1)[:, None]
+        t = survey.lines[0] + (start + share * (end - start)) * (survey.lines[1] - survey.lines[0])
+        if not bool((sides.at(survey.local(t)).side * sign < 0.0).any()):
+            return np.asarray(t)
+    return None

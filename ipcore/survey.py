@@ -1,0 +1,96 @@
+"""A look at a fit on a fine even grid: whether its zero set keeps to the data, and is in one piece.
+
+The zero set cuts the box into regions of one sign. The regions that touch each other form a tree, for a box has no
+holes, so the zero set has one component less than there are regions.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ipcore import basis, contraction
+from ipcore._typing import BoolArray, FloatArray
+from ipcore.basis import Basis
+from ipcore.sides import Sides
+
+# Farther than this from all data, in mean radii and in point spacings, the zero set is stray.
+FAR_RADII = {2: 0.10, 3: 0.12}
+FAR_SPACINGS = 2.5
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What the grid shows.
+
+    Attributes
+    ----------
+    f
+        Values on the grid.
+    minor
+        Nodes of all regions but the largest of each sign.
+    suspect
+        Those, and the nodes far from the data beside which f changes sign.
+    components
+        Of the zero set.
+    stray
+        Share of the nodes beside a change of sign that are far.
+
+    """
+
+    f: FloatArray
+    minor: BoolArray
+    suspect: BoolArray
+    components: int
+    stray: float
+
+
+class Survey:
+    """An even grid over the bounds."""
+
+    def __init__(self, sides: Sides, bounds: FloatArray, count: int, reach: float = 1.0) -> None:
+        """Take `count` lines per axis, over the bounds (2, d) grown by the factor `reach`."""
+        self.lines = reach * np.linspace(-1.0, 1.0, count)
+        self._sides = sides
+        self._middle, self._half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
+        self._far = max(FAR_RADII[len(self._half)], FAR_SPACINGS * sides.spacing)
+
+    def places(self, mask: BoolArray) -> FloatArray:
+        """Return nodes in the Chebyshev variables, (M, d)."""
+        return self.lines[np.argwhere(mask)]
+
+    def local(self, t: FloatArray) -> FloatArray:
+        """Return places t (M, d) in the normalised frame."""
+        return np.asarray(self._middle + self._half * t)
+
+    def look(self, tensor: FloatArray) -> Findings:
+        """Return what is found of the polynomial with these Chebyshev coefficients (n+1, …)."""
+        table = basis.table(Basis.CHEBYSHEV, self.lines, len(tensor) - 1).T
+        f = contraction.along_axes(tensor, [table] * tensor.ndim)
+        inside = f < 0.0
+        regions, minor = 0, np.zeros_like(inside)
+        for part in (inside, ~inside):
+            labels, count = ndimage.label(part)
+            regions += count
+            if count > 1:
+                sizes = np.bincount(labels.ravel())
+                sizes[0] = 0
+                minor |= part & (labels != sizes.argmax())
+        beside = _beside_a_change(inside)
+        distance, _ = self._sides.tree.query(self.local(self.places(beside)), distance_upper_bound=self._far)
+        far = np.isinf(distance)
+        suspect = minor.copy()
+        suspect[tuple(np.argwhere(beside)[far].T)] = True
+        return Findings(f, minor, suspect, regions - 1, float(far.sum() / max(1, len(far))))
+
+
+def _beside_a_change(inside: BoolArray) -> BoolArray:
+    """Return the nodes with a neighbour along an axis of the other sign."""
+    beside = np.zeros_like(inside)
+    for axis in range(inside.ndim):
+        low = tuple(slice(None, -1) if k == axis else slice(None) for k in range(inside.ndim))
+        high = tuple(slice(1, None) if k == axis else slice(None) for k in range(inside.ndim))
+        change = inside[low] != inside[high]
+        beside[low] |= change
+        beside[high] |= change
+    return beside
