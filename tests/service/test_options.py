@@ -36,6 +36,10 @@ WRONG: dict[str, list[Any]] = {
     "ridge": ["partial", 1],
     "ridge_matrix": ["laplace", 1],
     "ridge_strength": [0.0, 2e6, "strong"],
+    "signs": ["maybe", 2],
+    "geometric": ["maybe", 2],
+    "angle_weight": [0.0, 1.1, "light"],
+    "robust": ["maybe", 2],
     "neighbours": [2, 101, 7.5, "some"],
     "basis": ["bernstein", 1],
     "measure_zero_set": ["maybe", 2],
@@ -55,6 +59,11 @@ RIGHT: list[dict[str, Any]] = [
     {"collinear": "keep", "collinear_tol": 1e-8},
     {"ridge": "full", "ridge_strength": 1e-3, "ridge_matrix": "identity"},
     {"ridge": "selective", "collinear": "ridge"},
+    {"signs": False},
+    {"signs": True, "geometric": False},
+    {"signs": False, "geometric": False},
+    {"angle_weight": 0.01},
+    {"robust": True},
     {"neighbours": 8},
     {"basis": "chebyshev"},
     {"measure_zero_set": False},
@@ -63,6 +72,9 @@ CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
     ({"constraints": "taubin", "ridge": "full"}, "ridge"),
     ({"constraints": "taubin", "criterion": "gcv"}, "criterion"),
     ({"collinear": "ridge"}, "collinear"),
+    ({"geometric": True, "constraints": "5l"}, "geometric"),
+    ({"signs": True, "criterion": "gcv"}, "signs"),
+    ({"robust": True, "ridge": "full"}, "robust"),
 ]
 
 
@@ -149,7 +161,9 @@ def test_every_option_is_one_of_the_command(tmp_path: Path, options: dict[str, A
 
 def flag(name: str, value: object) -> list[str]:
     dashed = name.replace("_", "-")
-    return [f"--no-{dashed}"] if value is False else [f"--{dashed}", str(value)]
+    if isinstance(value, bool):
+        return [f"--{dashed}" if value else f"--no-{dashed}"]
+    return [f"--{dashed}", str(value)]
 
 
 def test_a_contradiction_is_named_on_the_command_line(tmp_path: Path) -> None:
