@@ -188,7 +188,7 @@ class QuietFit:
 
     def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> LinearStep:  # noqa: FBT001 - see LinearStep
         polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
-        H = objective.normal_equations(fit.look)[0]
+        H = objective.normal_equations(objective.look(fit.coefficients))[0]
         conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)
         return LinearStep(
