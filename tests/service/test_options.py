@@ -36,6 +36,10 @@ WRONG: dict[str, list[Any]] = {
     "ridge": ["partial", 1],
     "ridge_matrix": ["laplace", 1],
     "ridge_strength": [0.0, 2e6, "strong"],
+    "signs": ["perhaps", 2],
+    "geometric": ["perhaps", 2],
+    "angle_weight": [0.0, 1.1, "heavy"],
+    "robust": ["perhaps", 2],
     "neighbours": [2, 101, 7.5, "some"],
     "basis": ["bernstein", 1],
     "measure_zero_set": ["maybe", 2],
@@ -55,6 +59,10 @@ RIGHT: list[dict[str, Any]] = [
     {"collinear": "keep", "collinear_tol": 1e-8},
     {"ridge": "full", "ridge_strength": 1e-3, "ridge_matrix": "identity"},
     {"ridge": "selective", "collinear": "ridge"},
+    {"geometric": False},
+    {"geometric": True, "signs": False, "angle_weight": 0.01},
+    {"geometric": False, "signs": True},
+    {"robust": True},
     {"neighbours": 8},
     {"basis": "chebyshev"},
     {"measure_zero_set": False},
@@ -63,6 +71,9 @@ CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
     ({"constraints": "taubin", "ridge": "full"}, "ridge"),
     ({"constraints": "taubin", "criterion": "gcv"}, "criterion"),
     ({"collinear": "ridge"}, "collinear"),
+    ({"constraints": "taubin", "geometric": True}, "geometric"),
+    ({"ridge": "full", "signs": True}, "signs"),
+    ({"geometric": False, "robust": True}, "robust"),
 ]
 
 
