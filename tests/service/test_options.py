@@ -160,7 +160,9 @@ def test_every_option_is_one_of_the_command(tmp_path: Path, options: dict[str, A
 
 def flag(name: str, value: object) -> list[str]:
     dashed = name.replace("_", "-")
-    return [f"--no-{dashed}"] if value is False else [f"--{dashed}", str(value)]
+    if isinstance(value, bool):
+        return [f"--{dashed}" if value else f"--no-{dashed}"]
+    return [f"--{dashed}", str(value)]
 
 
 def test_a_contradiction_is_named_on_the_command_line(tmp_path: Path) -> None:
