@@ -19,7 +19,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check chaos bench-paper lock openapi clean help
+.PHONY: serve test check chaos bench-paper bench-quality lock openapi clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -42,6 +42,9 @@ openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 
 bench-paper: $(VENV)/.bench-stamp ## write bench/PAPER.md (IPFIT_BENCH_DATA names the folder of point sets)
 	$(BIN)/python bench/paper.py $(ARGS)
+
+bench-quality: $(VENV)/.bench-stamp ## write bench/QUALITY.md (from the same folder)
+	$(BIN)/python bench/quality.py $(ARGS)
 
 chaos: $(VENV)/.dev-stamp ## kill everything at random under load, on both engines (a quarter of an hour each)
 	$(BIN)/python -m load.chaos embedded $(ARGS)

@@ -10,7 +10,7 @@ import os
 import platform
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -66,6 +66,13 @@ class Scored:
             f"{self.seconds:.2f}",
             "good" if self.good else "",
         ]
+
+
+def usable(given: sets.PointSet) -> sets.PointSet:
+    """Return the set, without its normals if some have no length."""
+    if given.normals is not None and not given.normals.any(axis=1).all():
+        return replace(given, normals=None)
+    return given
 
 
 def fitted(given: sets.PointSet, way: str) -> Scored:
@@ -152,7 +159,7 @@ def main() -> None:
     given: dict[str, sets.PointSet] = {}
     for entry in entries:
         name = str(entry["name"])
-        given[name] = sets.load(name).sample(MOST)
+        given[name] = usable(sets.load(name).sample(MOST))
         scored[name] = {way: fitted(given[name], way) for way in WAYS}
         for row in rows([entry], scored):
             print(" | ".join(row), flush=True)

@@ -88,3 +88,14 @@ def unit_diagonal(H: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return S H S with S diagonal such that the diagonal is 1, and S's own (m,)."""
     s = 1.0 / np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
     return H * s * s[:, None], s
+
+
+def condition(H: FloatArray) -> tuple[float, float]:
+    """Return the estimated condition of the Jacobian with columns scaled to length 1, and max / min |r_ii| of its R."""
+    scaled, _ = unit_diagonal(H)
+    factor, failed = lapack.dpotrf(scaled)
+    if failed:
+        return float("inf"), float("inf")
+    reciprocal = lapack.dpocon(factor, np.abs(scaled).sum(axis=0).max())[0]
+    diagonal = np.abs(np.diag(factor)) * np.sqrt(np.diag(H))
+    return float(max(reciprocal, np.finfo(float).tiny) ** -0.5), float(diagonal.max() / diagonal.min())

@@ -8,21 +8,19 @@ further sign constraints, and it is refined again, until nothing is wrong or too
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 
-from ipcore import contraction, monomials
+from ipcore import monomials
 from ipcore._typing import FloatArray, IntArray
 from ipcore.basis import Basis
 from ipcore.criteria import StoppingRule
-from ipcore.damping import Refined, refine, unit_diagonal
+from ipcore.damping import Refined, condition, refine
 from ipcore.geometric import DataTables, Objective
+from ipcore.inspection import Inspection
 from ipcore.linear import LinearStep
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
-from ipcore.repair import demands
 from ipcore.sides import Sides, crowded
-from ipcore.signs import BEYOND, SignConstraints, SignNodes, SignPoints
-from ipcore.survey import Survey
+from ipcore.signs import SignConstraints, SignNodes
 
 # All of these were tuned on the sets at even places of the list, and are as good on the others (bench/QUALITY.md).
 # The homotopy: from nothing at the first degrees, from the prefix later. Skipping 0.7 and 0.95 from the prefix leaves
@@ -33,14 +31,11 @@ COLD_DEGREES = 2
 SIGN_WEIGHT = 10.0  # of the mean over all nodes of the box
 PER_DEGREE = {2: 10, 3: 6}  # nodes per degree and axis
 FEWEST, STEP = 33, 16  # nodes per axis at least, and in what steps they grow, so that few grids are made
-# Lines per axis, and by what factor the bounds are grown. The first is as fine as the report of the zero set, so that
-# the two agree; the second must find nothing, either.
-SURVEYS = {2: ((240, 1.0), (501, BEYOND)), 3: ((88, 1.0), (129, BEYOND))}
 SUBSET, PER_COLUMN = 2000, 6  # points that a fit is made from at first, at least, and per coefficient
 NEARLY = 1.5  # excess below which a fit is refined on all points, balanced, and surveyed
 ROUNDS, LAST_ROUNDS = 8, 16  # of repairs, at most; the last degree has no next one to hope for
 HEAVIER = 3.0  # what the weight of all nodes grows by when something is wrong
-FIRST_BOOST, BOOST = 0.02, 3.0  # the weight of a repair's places, and how it grows by the round
+BOOST = 3.0  # what the weight of a repair's place grows by while it is still wrong
 # λ is moved by (excess of D_smooth / excess of D_dist)^1.5 while one is met and the other is not, by 100 at most.
 BALANCES, BALANCE, RANGE = 3, 1.5, 100.0
 WORTH = 1.3  # product of the two excesses above which balancing is hopeless
@@ -76,7 +71,7 @@ class QuietFit:
         trusted = self._weights > 0.0
         self._sides = Sides(data.points[trusted], data.normals[trusted], data.bounds)
         self._nodes: dict[int, SignNodes] = {}
-        self._surveys = [Survey(self._sides, data.bounds, *grid) for grid in SURVEYS[d]]
+        self._inspection = Inspection(self._sides, data.bounds)
         self._order = np.random.default_rng(0).permutation(count)  # seeded: the same points get the same fit
         self._prefix, self._reached = np.zeros(0), 0
         self._iterations = 0
@@ -162,33 +157,28 @@ class QuietFit:
         return best
 
     def _settled(self, objective: Objective, fit: Refined) -> tuple[Refined, bool]:
-        """Ask for what surveys find missing, until they find nothing; return the fit, and whether it came to that."""
-        more: SignPoints | None = None
+        """Ask for what surveys find missing, until they find nothing; return the fit, and whether it came to that.
+
+        If it did not, the fit is the one with the least stray, then the fewest components, then the least excess.
+        """
+        degree, more = objective.degree, None
         grid = [nodes.heavier(HEAVIER) for nodes in objective.signs if isinstance(nodes, SignNodes)]
-        for _ in range(LAST_ROUNDS if objective.degree == self._last else ROUNDS):
-            asked = self._missing(objective.degree, fit.coefficients)
+        best, least = fit, (np.inf, np.inf, np.inf)
+        for _ in range(LAST_ROUNDS if degree == self._last else ROUNDS):
+            found, asked = self._inspection.look(degree, fit.coefficients)
             if asked is None:
                 return fit, True
-            if more is not None:
-                more = more.insisting(fit.look.shortfalls[-1], BOOST)
-            more = asked if more is None else more.with_more(asked)
+            rank = found.stray, found.components, self._excess(objective, fit)
+            if rank < least:
+                best, least = fit, rank
+            more = asked if more is None else more.insisting(fit.look.shortfalls[-1], BOOST).with_more(asked)
             objective.signs = [*grid, more]
             fit = self._refined(objective, fit.coefficients, REPAIR)
-            if objective.degree < self._last and self._excess(objective, fit) > GIVE_UP:
-                return fit, False
+            if degree < self._last and self._excess(objective, fit) > GIVE_UP:
+                break
             if self._excess(objective, fit) > 1.0:
                 fit = self._balanced(objective, fit)
-        return fit, self._missing(objective.degree, fit.coefficients) is None
-
-    def _missing(self, degree: int, a: FloatArray) -> SignPoints | None:
-        """Return what the first survey that finds anything asks for."""
-        tensor = contraction.to_tensor(a, self._data.points.shape[1], degree)
-        for survey in self._surveys:
-            found = survey.look(tensor)
-            asked = demands(found, survey, self._sides) if found.suspect.any() else None
-            if asked is not None:
-                return SignPoints(asked.t, asked.side, asked.margin, np.full(len(asked.t), FIRST_BOOST))
-        return None
+        return best, False
 
     def _reweigh(self, degree: int, a: FloatArray) -> None:
         """Leave out at the next degree the points that are far from this fit."""
@@ -198,8 +188,8 @@ class QuietFit:
 
     def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> LinearStep:  # noqa: FBT001 - see LinearStep
         polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
-        H = objective.normal_equations(fit.look)[0]
-        condition, ratio = _condition(H)
+        H = objective.normal_equations(objective.look(fit.coefficients))[0]
+        conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)
         return LinearStep(
             polynomial,
@@ -209,7 +199,7 @@ class QuietFit:
             ridged=0,
             freedom=float(objective.columns),
             rss=float((distance**2).sum()),
-            condition=condition,
+            condition=conditioned,
             diagonal_ratio=ratio,
             loo=None,
             iterations=self._iterations,
@@ -217,14 +207,3 @@ class QuietFit:
             unsure=min((nodes.unsure for nodes in self._nodes.values()), default=None),
             weights=self._weights if self._options.robust else None,
         )
-
-
-def _condition(H: FloatArray) -> tuple[float, float]:
-    """Return the estimated condition of the Jacobian with columns scaled to length 1, and max / min |r_ii| of its R."""
-    scaled, _ = unit_diagonal(H)
-    factor, failed = lapack.dpotrf(scaled)
-    if failed:
-        return float("inf"), float("inf")
-    reciprocal = lapack.dpocon(factor, np.abs(scaled).sum(axis=0).max())[0]
-    diagonal = np.abs(np.diag(factor)) * np.sqrt(np.diag(H))
-    return float(max(reciprocal, np.finfo(float).tiny) ** -0.5), float(diagonal.max() / diagonal.min())

@@ -58,12 +58,14 @@ def test_a_star_needs_a_lower_degree_than_its_linear_fit_which_is_not_quiet() ->
 
 
 def test_a_horse_comes_whole_and_alone() -> None:
-    result = ipcore.fit(horse(), options=FitOptions(max_degree=10))
-    assert result.stop_reason is ipcore.StopReason.MAX_DEGREE  # it needs more to be close
-    assert result.degree == 10
-    assert result.steps[-1].quiet
-    assert result.diagnostics.stray == 0.0
-    assert result.diagnostics.components == 1
+    result = ipcore.fit(horse())
+    assert good(result)
+    assert result.degree <= 18
+    low = ipcore.fit(horse(), options=FitOptions(max_degree=8))
+    assert low.stop_reason is ipcore.StopReason.MAX_DEGREE
+    assert low.degree == 8
+    assert low.diagnostics.stray is not None
+    assert low.diagnostics.stray < 0.01
 
 
 def test_the_same_points_get_the_same_fit() -> None:
