@@ -10,15 +10,16 @@ UV     := 0.13.9
 INSTALL      = $(PIP) install --quiet --no-deps --require-hashes --only-binary :all: -r
 INSTALL_SELF = $(PIP) install --quiet --no-deps --no-build-isolation --no-index -e .
 
+# Extras stay in the lock: pip before 24 looks for `coverage[toml]` outside a lock that pins plain `coverage`, and fails.
 # `make lock LOCK_FLAGS=--upgrade` moves to the newest versions; plain `make lock` keeps every pin that still fits.
 LOCK_FLAGS ?=
 COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python-version 3.11 --no-build --generate-hashes \
-	--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --group build $(LOCK_FLAGS)
+	--no-strip-extras --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --group build $(LOCK_FLAGS)
 
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check bench-paper bench-quality lock openapi clean help
+.PHONY: serve test check chaos bench-paper bench-quality lock openapi clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -44,6 +45,10 @@ bench-paper: $(VENV)/.bench-stamp ## write bench/PAPER.md (IPFIT_BENCH_DATA name
 
 bench-quality: $(VENV)/.bench-stamp ## write bench/QUALITY.md (from the same folder)
 	$(BIN)/python bench/quality.py $(ARGS)
+
+chaos: $(VENV)/.dev-stamp ## kill everything at random under load, on both engines (a quarter of an hour each)
+	$(BIN)/python -m load.chaos embedded $(ARGS)
+	$(BIN)/python -m load.chaos cluster $(ARGS)
 
 lock: .venv-lock/.stamp ## write requirements.lock and those of tests/ and bench/ anew
 	$(COMPILE) -o requirements.lock pyproject.toml

@@ -43,6 +43,8 @@ class Mesh:
 
     def caps_round(self, kept: BoolArray) -> BoolArray:
         """Return the cells (C,) of the caps that have a rim all of whose other cells are `kept` (C,)."""
+        if not self.cap.any():
+            return self.cap
         label = labels(self.cells[self.cap], len(self.vertices))
         met, lost = np.zeros(len(label), dtype=bool), np.zeros(len(label), dtype=bool)
         met[label[self.cells[kept]]] = True
@@ -56,11 +58,13 @@ def cell_vectors(vertices: FloatArray, cells: IntArray) -> FloatArray:
     >>> cell_vectors(np.array([[0.0, 0.0], [2.0, 0.0]]), np.array([[0, 1]])).tolist()       # inside: above
     [[0.0, -2.0]]
     """
-    corner = vertices[cells]
-    first = corner[:, 1] - corner[:, 0]
-    if cells.shape[1] == SEGMENT:
-        return np.stack([first[:, 1], -first[:, 0]], axis=1)
-    return np.asarray(np.cross(first, corner[:, 2] - corner[:, 0])) / 2.0
+    origin, *others = (vertices[corner] for corner in cells.T)
+    first, *more = ((other - origin).T for other in others)
+    if not more:
+        return np.stack([first[1], -first[0]], axis=1)
+    (second,) = more
+    (x, y, z), (u, v, w) = first, second
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1) / 2.0
 
 
 def labels(cells: IntArray, vertices: int) -> IntArray:
@@ -79,19 +83,13 @@ def chains(cells: IntArray) -> list[IntArray]:
 
     >>> [chain.tolist() for chain in chains(np.array([[0, 1], [3, 4], [1, 2], [4, 3]]))]
     [[0, 1, 2], [3, 4, 3]]
-
-    Segments come mostly in order, so whole runs are joined, not single segments.
     """
-    runs = np.split(cells, np.flatnonzero(cells[1:, 0] != cells[:-1, 1]) + 1) if len(cells) else []
-    waiting = {int(run[0, 0]): run for run in runs}
-    ends = {int(run[-1, 1]) for run in runs}
-    found = []
-    for start in sorted(waiting, key=ends.__contains__):  # open chains from their first vertex, then the closed ones
-        parts, at = [np.array([start])], start
-        while at in waiting:
-            run = waiting.pop(at)
-            parts.append(run[:, 1])
-            at = int(run[-1, 1])
-        if len(parts) > 1:
-            found.append(np.concatenate(parts))
+    following = dict(cells.tolist())
+    entered, found = set(following.values()), []
+    for start in sorted(following, key=entered.__contains__):  # open chains from their first vertex, then closed ones
+        chain = [start]
+        while chain[-1] in following:
+            chain.append(following.pop(chain[-1]))
+        if len(chain) > 1:
+            found.append(np.array(chain))
     return found

@@ -17,9 +17,12 @@ from ipcore._typing import FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.outline import is_outline, outline_normals
 from ipcore.outward import outward_signs
-from ipcore.winding import areas
+from ipcore.parallel import available, by_rows
+from ipcore.winding import NEIGHBOURS, areas_within
 
-CHUNK = 8192  # neighbourhoods at once: 5 MB with 12 neighbours in 3D
+LIGHT = 0.3  # of the edges, some two per point: they connect nearly all, and sorting them takes a third of the time
+MIX = (1.0, np.sqrt(2.0), np.sqrt(3.0))  # weights of coordinates, whose sums differ if points do, but for a rare chance
+SAMPLE = 100_000  # edges by which that share is told
 
 Graph = csr_array[np.float64, tuple[int, int]]
 
@@ -85,18 +88,20 @@ def estimate_normals(points: FloatArray, neighbours: int = 12) -> FloatArray:
 
     """
     _check(points, neighbours)
-    p, copies = np.unique(points, axis=0, return_inverse=True)
-    if len(p) < points.shape[1]:
-        raise InvalidPointsError(f"normals need {points.shape[1]} distinct points, not {len(p)}", ("points",))
-    indices = cKDTree(p).query(p, k=min(neighbours, len(p) - 1) + 1, workers=-1)[1]
-    near = np.asarray(indices, dtype=np.intp)[:, 1:]  # the first is the point itself
-    normals = _planes(p, near)
-    tree = _spanning_forest(p, normals, near)
+    d = points.shape[1]
+    p, copies = _distinct(points)
+    if len(p) < d:
+        raise InvalidPointsError(f"normals need {d} distinct points, not {len(p)}", ("points",))
+    k = min(max(neighbours, NEIGHBOURS[d]), len(p) - 1)
+    distances, indices = cKDTree(p).query(p, k=k + 1, workers=available())
+    A = areas_within(np.asarray(distances)[:, 1:], d)  # the first is the point itself
+    r, near = np.asarray(distances)[:, 1 : neighbours + 1], np.asarray(indices, dtype=np.intp)[:, 1 : neighbours + 1]
+    normals = by_rows(lambda part: _planes(p, part, near[part]), len(p))
+    tree = _spanning_forest(p, normals, near, r)
     normals *= _agreement(tree, normals)[:, None]
     labels = connected_components(tree, directed=False)[1].astype(np.intp)
-    A = areas(p)
     normals *= outward_signs(p, normals, A, A[:, None] * normals, labels)[:, None]
-    return np.asarray(normals[copies.ravel()])
+    return np.asarray(normals[copies])
 
 
 def _check(points: FloatArray, neighbours: int) -> None:
@@ -106,29 +111,59 @@ def _check(points: FloatArray, neighbours: int) -> None:
         raise InvalidPointsError(f"points must have shape (N, 2) or (N, 3), not {points.shape}", ("points",))
 
 
-def _planes(p: FloatArray, near: IntArray) -> FloatArray:
-    """Return the unit normals (N, d) of the planes through each point's neighbourhood, of either sign."""
-    normals = np.empty_like(p)
-    for start in range(0, len(p), CHUNK):
-        part = slice(start, start + CHUNK)
-        X = np.concatenate([p[part, None], p[near[part]]], axis=1)
-        X -= X.mean(axis=1, keepdims=True)
-        normals[part] = np.linalg.eigh(np.swapaxes(X, 1, 2) @ X)[1][:, :, 0]
-    return normals
+def _distinct(points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the distinct points, and which of them each point is.
+
+    They come in the order of a tree's leaves: what is asked for next then mostly is in the cache.
+    """
+    p, copies = points, np.arange(len(points))
+    mixed = np.sort(sum(weight * x for weight, x in zip(MIX, points.T, strict=False)))
+    if not mixed[:-1].size or (mixed[1:] == mixed[:-1]).any():  # or else no two points are equal
+        p, inverse = np.unique(points, axis=0, return_inverse=True)
+        copies = inverse.ravel()
+    order = cKDTree(p).indices
+    place = np.empty_like(order)
+    place[order] = np.arange(len(p))
+    return p[order], place[copies]
 
 
-def _spanning_forest(p: FloatArray, normals: FloatArray, near: IntArray) -> Graph:
-    """Return a minimum spanning tree of each component of the neighbour graph, (N, N)."""
-    N, k = near.shape
-    weight = np.empty((N, k))
-    for j, other in enumerate(near.T):
-        e = p[other] - p
-        e /= np.linalg.norm(e, axis=1, keepdims=True)
-        leaves = np.maximum(np.abs((e * normals).sum(axis=1)), np.abs((e * normals[other]).sum(axis=1)))
-        # 2 instead of 1: the tree is the same, and no weight is 0, which csgraph reads as no edge
-        weight[:, j] = 2.0 - np.abs((normals * normals[other]).sum(axis=1)) + leaves**2
-    graph: Graph = csr_array((weight.ravel(), near.ravel(), np.arange(0, N * k + 1, k)), shape=(N, N))
-    return csr_array(minimum_spanning_tree(graph))
+def _planes(p: FloatArray, part: slice, near: IntArray) -> FloatArray:
+    """Return the unit normals of the planes through the neighbourhoods of some points, of either sign."""
+    X = np.concatenate([p[part, None], p[near]], axis=1)
+    X -= X.mean(axis=1, keepdims=True)
+    return np.asarray(np.linalg.eigh(np.swapaxes(X, 1, 2) @ X)[1][:, :, 0])
+
+
+def _weights(p: FloatArray, normals: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
+    """Return the weights of edges from points i to points j."""
+    e = p[j] - p[i]
+    e /= np.sqrt(np.einsum("ed,ed->e", e, e))[:, None]
+    n, m = normals[i], normals[j]
+    leaves = np.maximum(np.abs(np.einsum("ed,ed->e", e, n)), np.abs(np.einsum("ed,ed->e", e, m)))
+    # 2 instead of 1: the tree is the same, and no weight is 0, which csgraph reads as no edge
+    return np.asarray(2.0 - np.abs(np.einsum("ed,ed->e", n, m)) + leaves**2)
+
+
+def _spanning_forest(p: FloatArray, normals: FloatArray, near: IntArray, r: FloatArray) -> Graph:
+    """Return a minimum spanning tree of each component of the neighbour graph, (N, N).
+
+    Sorting edges takes the time. So the lighter ones are used first, and of the others only those whose ends these do
+    not connect: no other can be in the tree.
+    """
+    N = len(near)
+    once = (r >= r[near, -1]) | (np.arange(N)[:, None] < near)  # else the neighbour has this edge, too
+    i, j = np.nonzero(once)[0], near[once]
+    weight = by_rows(lambda part: _weights(p, normals, i[part], j[part]), len(i))
+    light = weight <= np.quantile(weight[:: 1 + len(weight) // SAMPLE], LIGHT)
+    forest = _tree(weight[light], i[light], j[light], N)
+    label = connected_components(forest, directed=False)[1]
+    rest = label[i] != label[j]
+    a, b = forest.nonzero()
+    return _tree(np.append(forest.data, weight[rest]), np.append(a, i[rest]), np.append(b, j[rest]), N)
+
+
+def _tree(weight: FloatArray, i: IntArray, j: IntArray, N: int) -> Graph:
+    return csr_array(minimum_spanning_tree(coo_array((weight, (i, j)), shape=(N, N)).tocsr()))
 
 
 def _agreement(tree: Graph, normals: FloatArray) -> FloatArray:

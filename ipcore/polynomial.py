@@ -87,7 +87,7 @@ class ImplicitPolynomial:
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Return f at raw points x (M, d), shape (M,)."""
-        values: FloatArray = self._evaluate(self._tensor[None], x)[0]
+        values: FloatArray = self._evaluate(self.tensor[None], x)[0]
         return values
 
     def gradient(self, x: FloatArray) -> FloatArray:
@@ -122,8 +122,16 @@ class ImplicitPolynomial:
 
     def on_grid(self, axes: list[FloatArray]) -> FloatArray:
         """Return f on the tensor grid of raw grid lines, one array per axis, shape (len(axes[0]), …)."""
-        tables = [self._table(lines, axis).T for axis, lines in enumerate(axes)]
-        return contraction.along_axes(self._tensor, tables)
+        return contraction.along_axes(self.tensor, self.tables(axes))
+
+    def tables(self, axes: list[FloatArray]) -> list[FloatArray]:
+        """Return the univariate functions at raw grid lines, (N_axis, n+1) for each axis: what `tensor` multiplies."""
+        return [self._table(lines, axis).T for axis, lines in enumerate(axes)]
+
+    def variable(self, coordinates: FloatArray, axis: int) -> FloatArray:
+        """Return the variable of the univariate functions at raw coordinates along one axis, in their shape."""
+        middle, half = self._axes
+        return np.asarray((coordinates - middle[axis]) / half[axis])
 
     def contains(self, x: FloatArray) -> BoolArray:
         """Return which raw points x (M, d) lie in the bounds, the only place where the fit promises anything."""
@@ -185,22 +193,23 @@ class ImplicitPolynomial:
 
     def _changed(self, change: Callable[[int, float, float], ExtendedArray], basis: Basis) -> Self:
         """Return the polynomial in the other basis: t = slope·u + offset takes the frame to the box of T_k(t)."""
-        middle, half = (self.bounds[0] + self.bounds[1]) / 2.0, (self.bounds[1] - self.bounds[0]) / 2.0
+        middle, half = self._axes
         slopes, offsets = self.frame.scale / half, (self.frame.centre - middle) / half
         matrices = [change(self.degree, *line) for line in zip(slopes, offsets, strict=True)]
-        tensor = contraction.along_axes(self._tensor.astype(np.longdouble), matrices)
+        tensor = contraction.along_axes(self.tensor.astype(np.longdouble), matrices)
         a = contraction.from_tensor(tensor, self.dimension, self.degree).astype(np.float64)
         return type(self)(self.degree, a, self.frame, self.bounds, basis)
 
     @cached_property
-    def _tensor(self) -> FloatArray:
+    def tensor(self) -> FloatArray:
+        """Return the coefficients as a tensor (n+1, …), one axis per variable, zero beyond total degree n."""
         return contraction.to_tensor(self.coefficients, self.dimension, self.degree)
 
     @cached_property
     def _derivatives(self) -> FloatArray:
         """The tensors of f and of its first derivatives, (1 + d, n+1, …)."""
-        first = [self._differentiate(self._tensor, axis) for axis in range(self.dimension)]
-        return np.stack([self._tensor, *first])
+        first = [self._differentiate(self.tensor, axis) for axis in range(self.dimension)]
+        return np.stack([self.tensor, *first])
 
     @cached_property
     def _axes(self) -> tuple[FloatArray, FloatArray]:
@@ -212,8 +221,7 @@ class ImplicitPolynomial:
 
     def _table(self, coordinates: FloatArray, axis: int) -> FloatArray:
         """Return the univariate functions at raw coordinates along one axis, (n+1, M)."""
-        middle, half = self._axes
-        return univariate.table(self.basis, (coordinates - middle[axis]) / half[axis], self.degree)
+        return univariate.table(self.basis, self.variable(coordinates, axis), self.degree)
 
     def _differentiate(self, tensor: FloatArray, axis: int) -> FloatArray:
         D = univariate.differentiation(self.basis, self.degree) / self._axes[1][axis]

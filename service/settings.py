@@ -14,12 +14,39 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
-    data_dir: Path = Field(Path("ipfit-data"), description="Folder of the database and the stored point sets.")
+    database_url: str | None = Field(
+        None,
+        pattern="^postgres(ql)?://",
+        description="A PostgreSQL (`postgresql://…`) that many servers and workers share; else SQLite in the folder.",
+    )
+    blobs_url: str | None = Field(
+        None, description="Where point sets are stored: any fsspec URL that all machines share; else in the folder."
+    )
+    data_dir: Path = Field(
+        Path("ipfit-data"), description="Folder of what one server keeps: its database, its point sets."
+    )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1, ge=1, description="Fits that run at once, a process each."
     )
+    short_workers: int = Field(
+        1, ge=0, description="More workers, which run short fits only, so that these do not wait for long ones."
+    )
+    worker_memory: int = Field(
+        8 * 2**30, ge=2**29, description="Memory that a worker may take, in bytes; a fit that needs more fails."
+    )
     tasks_per_worker: int = Field(100, ge=1, description="Tasks after which a worker process is replaced.")
     fit_deadline: float = Field(600.0, gt=0, description="Seconds that a fit may run before it is killed.")
+    lease: float = Field(
+        30.0, ge=1.0, description="Seconds after which a fit is taken from a supervisor that is not heard of any more."
+    )
+    queue_limit: int = Field(1000, ge=1, description="Fits that may wait; more are answered with 503.")
+    keep_seconds: float = Field(7 * 86400.0, gt=0, description="Seconds that a fit is kept after its end.")
+    keep_bytes: int = Field(
+        10 * 2**30, ge=0, description="Bytes that ended fits may take; beyond, the oldest are removed."
+    )
+    shutdown_grace: float = Field(
+        8.0, ge=0, description="Seconds that running fits get to end after SIGTERM; the others run again later."
+    )
     mesh_deadline: float = Field(60.0, gt=0, description="Seconds that reading an input or making a mesh may take.")
     max_body_bytes: int = Field(64 * 2**20, ge=1024, description="Largest request body, in bytes.")
     max_points: int = Field(100_000, ge=4, description="Most points in a point set.")
@@ -39,6 +66,6 @@ def table() -> str:
     """Return the settings as a Markdown table: variable, default, meaning."""
     rows = ["| variable | default | meaning |", "| --- | --- | --- |"]
     for name, field in Settings.model_fields.items():
-        default = "the number of cores" if field.default_factory else f"`{field.default}`"
+        default = "the number of cores" if field.default_factory else f"`{field.default}`".replace("`None`", "")
         rows.append(f"| `IPFIT_{name.upper()}` | {default} | {field.description} |")
     return "\n".join(rows)

@@ -26,8 +26,8 @@ def everything() -> list[PointSet]:
 
 
 def fitted(given: PointSet, **options: Any) -> ipcore.FitResult:  # noqa: ANN401 - whatever `FitOptions.of` takes
-    """Return the adaptive fit of a set, to the cap of its dimension unless said."""
-    chosen = ipcore.FitOptions.of(**{"geometric": False, "max_degree": CAP[given.dimension], **options})
+    """Return the adaptive linear fit of a set, to the cap of its dimension unless said."""
+    chosen = ipcore.FitOptions.of(**{"max_degree": CAP[given.dimension], "geometric": False, **options})
     return ipcore.fit(given.points, given.normals, chosen)
 
 

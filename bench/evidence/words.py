@@ -62,8 +62,8 @@ strays. max/min rᵢᵢ, by which the paper judges the condition, can be orders 
 condition.""",
     "cost": """*Agrees:* the increment is far cheaper than solving anew for every column. *Beyond the paper:*
 solving anew at complete degrees only, which is all that a rotation-invariant search needs, is already nearly as
-cheap, because a blocked solver uses the processor better. Column by column in one pass costs half of form by form
-in two, and loses orthogonality.""",
+cheap, because a blocked solver uses the processor better. In 3D, column by column in one pass costs less than form
+by form in two, and loses orthogonality.""",
     "noise": """**So:** points as clean as scans of solid objects mostly are: `distance`, which takes the lowest
 degree that is close enough, and on clean points all others go on to high degrees for little. Noise that is known
 and above 0.01: `distance` with t1 = σ, which saves some degrees for up to half again the least error. Noise that is

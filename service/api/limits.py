@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from math import comb
 from typing import Any
 
+from service.jobs.cost import DEFAULT_MAX_DEGREE
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
-
-# What the library tries when no max_degree is given.
-DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
 
 
 def rows_per_point(constraints: str, dimension: int) -> int:

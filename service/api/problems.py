@@ -4,6 +4,7 @@ import logging
 import re
 from collections.abc import Iterable
 from http import HTTPStatus
+from math import ceil
 from typing import Any
 from uuid import uuid4
 
@@ -21,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 # Seconds after which it is worth to ask again.
-RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10"}
+RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10", "worker-crashed": "1"}
 # What is told of a request with thousands of them.
 MOST_FAULTS = 10
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
@@ -36,7 +37,10 @@ TABLE: tuple[tuple[type[Exception], HTTPStatus, str, str], ...] = (
     (errors.FitNotFinishedError, HTTPStatus.CONFLICT, "fit-not-finished", "The fit has not ended yet"),
     (errors.FitWithoutResultError, HTTPStatus.CONFLICT, "fit-without-result", "The fit ended without a result"),
     (errors.DeadlineExceededError, HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The work took too long"),
+    (errors.OutOfMemoryError, HTTPStatus.SERVICE_UNAVAILABLE, "out-of-memory", "The work needs too much memory"),
     (errors.WorkerCrashedError, HTTPStatus.SERVICE_UNAVAILABLE, "worker-crashed", "A worker died doing the work"),
+    (errors.KeyReusedError, HTTPStatus.UNPROCESSABLE_ENTITY, "key-reused", "The key came with another payload"),
+    (errors.QueueFullError, HTTPStatus.SERVICE_UNAVAILABLE, "queue-full", "Too many fits wait"),
     (errors.ShuttingDownError, HTTPStatus.SERVICE_UNAVAILABLE, "shutting-down", "The server is stopping"),
     (errors.NotReadyError, HTTPStatus.SERVICE_UNAVAILABLE, "not-ready", "The server is not ready"),
 )
@@ -116,6 +120,8 @@ def _job_error(request: Request, error: Exception) -> Response:
     if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
         logger.warning("%s: %s (trace %s)", kind, error, trace_id(request), exc_info=error.__cause__)
     headers = {"Retry-After": RETRY_AFTER[kind]} if kind in RETRY_AFTER else {}
+    if isinstance(error, errors.QueueFullError):
+        headers["Retry-After"] = str(ceil(error.retry_after))
     if kind == "too-large":  # else the server would read and drop the rest of the body, however long it is
         headers["Connection"] = "close"
     return response(request, status, kind, str(error), faults, title=title, headers=headers)

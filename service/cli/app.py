@@ -2,7 +2,7 @@
 
 import typer
 
-from service.cli import fit, server
+from service.cli import fit, server, worker
 
 app = typer.Typer(
     add_completion=False,
@@ -10,5 +10,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Implicit polynomials from point sets, of the degree they need.",
 )
-for command in (fit.fit, server.serve, server.openapi, server.settings, server.options, server.healthcheck):
+COMMANDS = (
+    fit.fit,
+    server.serve,
+    worker.worker,
+    server.openapi,
+    server.settings,
+    server.options,
+    server.healthcheck,
+)
+for command in COMMANDS:
     app.command()(command)

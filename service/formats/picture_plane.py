@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 from ipcore._typing import BoolArray, FloatArray
 from ipcore.frame import Frame
 from ipcore.mesh import labels
+from ipcore.nearness import near, reach
 from ipcore.polynomial import ImplicitPolynomial
-from ipcore.zero_set import ZeroSet, near, reach, zero_set
+from ipcore.zero_set import ZeroSet, zero_set
 
 WIDTH, HEIGHT = 470.0, 396.0  # px, of the space for a shape
 BLUE, WARNING, INK, INSIDE, RIM = "#2463a6", "#e8590c", "#1f2933", "#e3eef9", "#c3ccd5"

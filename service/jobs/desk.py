@@ -1,21 +1,29 @@
 """The use cases: read, accept, look up, wait, draw, dismiss."""
 
 import asyncio
+import hashlib
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 from uuid import uuid4
 
+import orjson
+
+from service.jobs.cost import predicted_seconds
 from service.jobs.drawing import Drawing
 from service.jobs.errors import (
     FitNotFinishedError,
     FitNotFoundError,
     FitWithoutResultError,
+    JobError,
     NotReadyError,
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
 from service.jobs.ports import BlobStore, FitQueue, FitStore
+
+T = TypeVar("T")
 
 
 class Reader(Protocol):
@@ -58,31 +66,39 @@ class FitDesk:
         """Work with these parts."""
         self._store, self._blobs, self._queue = store, blobs, queue
         self._reader, self._draughtsman = reader, draughtsman
-        self._tidy = asyncio.Lock()  # a blob must not be removed between its being found and its being used
 
     async def read(self, body: bytes | Path, kind: str) -> PointSet:
         """Read and check a body; nothing is accepted yet."""
         return await self._reader.read(body, kind)
 
-    async def accept(self, points: PointSet, options: dict[str, Any]) -> Fit:
+    async def accept(self, points: PointSet, options: dict[str, Any], client: str = "", key: str | None = None) -> Fit:
         """Store a fit and see that it is run. When this returns, it survives a crash.
+
+        Parameters
+        ----------
+        points, options
+            What to fit, and how.
+        client
+            Who sent it.
+        key
+            Idempotency key: of two calls with one key, the second returns the fit of the first.
 
         Raises
         ------
         InvalidInputError
             If the options cannot be meant.
-        NotReadyError, ShuttingDownError
-            If it cannot be stored, or the server is about to stop.
+        NotReadyError, ShuttingDownError, QueueFullError
+            If it cannot be stored, the server is about to stop, or too many fits wait.
+        KeyReusedError
+            If the key came with another point set or other options.
 
         """
         self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
-        try:
-            async with self._tidy:
-                fit = await asyncio.to_thread(self._add, points, options)
-        except Exception as error:
-            raise NotReadyError(f"the fit cannot be stored: {type(error).__name__}") from error
-        self._queue.submit(fit.id)
+        new = _new_fit(points, options, client, key)
+        fit = await _asked(self._store.add, new, lambda: self._blobs.put(points.content))
+        if fit.id == new.id:
+            self._queue.submit(fit)
         return fit
 
     async def get(self, fit_id: str, wait: float = 0.0) -> Fit:
@@ -92,6 +108,8 @@ class FitDesk:
         ------
         FitNotFoundError
             If there is none.
+        NotReadyError
+            If the store fails.
 
         """
         fit = await self._get(fit_id)
@@ -100,9 +118,9 @@ class FitDesk:
             fit = await self._get(fit_id)
         return fit
 
-    def progress(self, fit: Fit) -> list[dict[str, Any]]:
+    async def progress(self, fit: Fit) -> list[dict[str, Any]]:
         """Return the degrees that a running fit has tried so far."""
-        return self._queue.progress(fit.id)
+        return [] if fit.status.final else await self._queue.progress(fit.id)
 
     async def draw(self, fit_id: str, drawing: Drawing) -> bytes:
         """Return a file with the zero set of a successful fit.
@@ -135,47 +153,57 @@ class FitDesk:
 
         """
         self._refuse_when_stopping()
-        try:
-            await asyncio.to_thread(self._store.waiting)
-        except Exception as error:
-            raise NotReadyError(f"fits cannot be stored: {type(error).__name__}") from error
+        await _asked(self._store.count_waiting)
 
     async def dismiss(self, fit_id: str) -> Fit | None:
         """Dismiss a live fit, killing its worker, and return it; or remove one that has ended, and return None."""
-        fit = await self._get(fit_id)
-        if await asyncio.to_thread(self._store.dismiss, fit_id):
+        await self._get(fit_id)
+        if await _asked(self._store.dismiss, fit_id):
             self._queue.cancel(fit_id)
             return await self._get(fit_id)
-        async with self._tidy:
-            await asyncio.to_thread(self._remove, fit)
+        await _asked(self._store.remove, fit_id, self._blobs.delete)
         return None
 
-    def stop(self) -> None:
-        """Accept nothing more, and answer those who wait with what is known now."""
-        self._queue.stop()
+    async def drain(self, seconds: float) -> None:
+        """Accept nothing more, let what runs end in so much time, and answer those who wait with what is known then."""
+        await self._queue.drain(seconds)
+
+    def hurry(self) -> None:
+        """End a drain at once."""
+        self._queue.hurry()
 
     def _refuse_when_stopping(self) -> None:
         if self._queue.stopping:
             raise ShuttingDownError("the server is stopping; try again when it is back")
 
-    def _add(self, points: PointSet, options: dict[str, Any]) -> Fit:
-        fit = Fit(
-            id=uuid4().hex,
-            status=FitStatus.ACCEPTED,
-            input=PointSetRef(self._blobs.put(points.content), points.dimension, points.points),
-            options=options,
-            created=datetime.now(UTC),
-        )
-        self._store.add(fit)
-        return fit
-
-    def _remove(self, fit: Fit) -> None:
-        self._store.remove(fit.id)
-        if not self._store.uses(fit.input.key):
-            self._blobs.delete(fit.input.key)
-
     async def _get(self, fit_id: str) -> Fit:
-        fit = await asyncio.to_thread(self._store.get, fit_id)
+        fit = await _asked(self._store.get, fit_id)
         if fit is None:
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit
+
+
+async def _asked(call: Callable[..., T], *arguments: object) -> T:
+    """Call the store in a thread. Whatever goes wrong there, a full disk or a database that is away, may pass."""
+    try:
+        return await asyncio.to_thread(call, *arguments)
+    except JobError:
+        raise
+    except Exception as error:
+        raise NotReadyError(f"fits cannot be stored or looked up at the moment: {type(error).__name__}") from error
+
+
+def _new_fit(points: PointSet, options: dict[str, Any], client: str, key: str | None) -> Fit:
+    blob = hashlib.sha256(points.content).hexdigest()
+    asked = orjson.dumps([blob, points.dimension, options], option=orjson.OPT_SORT_KEYS)
+    return Fit(
+        id=uuid4().hex,
+        status=FitStatus.ACCEPTED,
+        input=PointSetRef(blob, points.dimension, points.points, len(points.content)),
+        options=options,
+        created=datetime.now(UTC),
+        client=client,
+        cost=predicted_seconds(points.dimension, points.points, options),
+        key=key,
+        payload=hashlib.sha256(asked).hexdigest(),
+    )

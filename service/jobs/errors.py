@@ -25,6 +25,10 @@ class WorkerCrashedError(JobError):
     """The worker process died in the middle of the work."""
 
 
+class OutOfMemoryError(JobError):
+    """The work needed more memory than a worker may take."""
+
+
 class InvalidInputError(JobError):
     """What the caller sent cannot be fitted or drawn.
 
@@ -55,6 +59,26 @@ class TooLargeError(InvalidInputError):
 
 class NotReadyError(JobError):
     """Fits cannot be stored at the moment."""
+
+
+class QueueFullError(JobError):
+    """As many fits wait as this server lets wait.
+
+    Attributes
+    ----------
+    retry_after
+        Seconds after which one of them will probably have been started.
+
+    """
+
+    def __init__(self, message: str, retry_after: float) -> None:
+        """Keep the sentence and the time."""
+        super().__init__(message)
+        self.retry_after = retry_after
+
+
+class KeyReusedError(JobError):
+    """An idempotency key came again with something else to fit."""
 
 
 class ShuttingDownError(JobError):

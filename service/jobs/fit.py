@@ -33,6 +33,13 @@ MOVES: dict[FitStatus, frozenset[FitStatus]] = {
 }
 
 
+# A fit whose worker process died is started once more: what kills two would kill a third.
+MAX_CRASHES = 2
+# A fit whose supervisor died is taken over by another one so often: supervisors die for many reasons, but a fit that
+# brings each of them down must not do so for ever.
+MAX_ABANDONED = 5
+
+
 def sources(target: FitStatus) -> list[FitStatus]:
     """Return the statuses from which a fit may move to `target`.
 
@@ -49,7 +56,7 @@ class Failure:
     Attributes
     ----------
     kind
-        A stable word: `worker-crashed`, `deadline-exceeded`, `fit-error`.
+        A stable word: `worker-crashed`, `deadline-exceeded`, `out-of-memory`, `fit-error`.
     detail
         One sentence.
 
@@ -90,12 +97,32 @@ class PointSetRef:
         Of the blob: an (N, d) npy of points, or (N, 2d) of points and normals, doubles.
     dimension, points
         d and N.
+    size
+        Its bytes.
 
     """
 
     key: str
     dimension: int
     points: int
+    size: int = 0
+
+
+@dataclass(frozen=True)
+class Holder:
+    """Who runs fits, and for how long the store believes it without hearing from it again.
+
+    Attributes
+    ----------
+    name
+        Of the supervisor, unique.
+    lease
+        Seconds.
+
+    """
+
+    name: str
+    lease: float
 
 
 @dataclass(frozen=True)
@@ -106,8 +133,16 @@ class Fit:
     ----------
     options
         What was asked for, by option name; defaults are not filled in.
+    client
+        Who sent it; the queue is fair between clients.
+    cost
+        Predicted seconds.
+    key, payload
+        The idempotency key that came with it, and a hash of what is to be fitted and how.
     attempt
-        How often it was started: 0 while it waits for the first time.
+        How often it was started: 0 while it waits for the first time. Only the latest attempt may end the fit.
+    crashes
+        How often its worker process died.
     result
         JSON of the answer, when successful.
     failure
@@ -120,8 +155,13 @@ class Fit:
     input: PointSetRef
     options: dict[str, Any]
     created: datetime
+    client: str = ""
+    cost: float = 0.0
+    key: str | None = None
+    payload: str = ""
     started: datetime | None = None
     finished: datetime | None = None
     attempt: int = 0
+    crashes: int = 0
     result: bytes | None = None
     failure: Failure | None = None

@@ -1,27 +1,45 @@
 """What the use cases need from the outside, as Protocols; `service.bootstrap` puts the real ones in."""
 
 from collections.abc import Callable
+from datetime import datetime
 from typing import Any, Protocol, TypeVar
 
-from service.jobs.fit import Failure, Fit, FitStatus
+from service.jobs.fit import Failure, Fit, FitStatus, Holder
 
 T = TypeVar("T")
 
 
 class FitStore(Protocol):
-    """Fits, durable. Every move is one transaction, and one that the table of moves forbids changes nothing."""
+    """Fits, durable. Every method is one transaction; a move that the table of moves forbids changes nothing."""
 
-    def add(self, fit: Fit) -> None:
-        """Store a new fit; when this returns it survives a crash."""
+    def add(self, fit: Fit, keep: Callable[[], object]) -> Fit:
+        """Store a new fit and return it, or return the fit that came earlier with the same key and payload.
+
+        `keep` stores its input, at a moment when nobody can be removing it. When this returns, both survive a crash.
+
+        Raises
+        ------
+        KeyReusedError
+            If the key came with another payload.
+        QueueFullError
+            If too many fits wait.
+
+        """
 
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
 
-    def start(self, fit_id: str) -> int | None:
-        """Move to running and return the attempt, from 1; None if the fit is not waiting."""
+    def start(self, fit_id: str, holder: Holder) -> int | None:
+        """Move to running, on a lease, and return the attempt, from 1; None if the fit does not wait.
 
-    def release(self, fit_id: str, attempt: int) -> bool:
-        """Move from running back to accepted, if this attempt still holds it."""
+        A running fit whose lease has run out counts as waiting: its holder is dead.
+        """
+
+    def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
+        """Prolong the lease, if this attempt still holds the fit."""
+
+    def release(self, fit_id: str, attempt: int, *, crashed: bool = False) -> bool:
+        """Move from running back to accepted, if this attempt still holds the fit; count a crash if it was one."""
 
     def finish(
         self, fit_id: str, attempt: int, status: FitStatus, result: bytes | None, failure: Failure | None
@@ -31,17 +49,26 @@ class FitStore(Protocol):
     def dismiss(self, fit_id: str) -> bool:
         """Move to dismissed, if the fit is live."""
 
-    def remove(self, fit_id: str) -> bool:
-        """Forget a fit that has ended."""
+    def remove(self, fit_id: str, drop: Callable[[str], object]) -> bool:
+        """Forget a fit that has ended, and `drop` its input if no other fit has the same."""
 
-    def uses(self, key: str) -> bool:
-        """Return whether any fit's input is this blob."""
+    def waiting(self) -> list[Fit]:
+        """Return the accepted fits, oldest first."""
 
-    def waiting(self) -> list[str]:
-        """Return the ids of accepted fits, oldest first."""
+    def count_waiting(self) -> int:
+        """Return how many fits are accepted."""
 
     def recover(self) -> int:
-        """Move every running fit back to accepted, after a start; return how many."""
+        """Move every running fit back to accepted, when nobody else can be running any; return how many."""
+
+    def report(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> bool:
+        """Keep the degrees tried so far, if this attempt still holds the fit."""
+
+    def progress(self, fit_id: str) -> list[dict[str, Any]]:
+        """Return the degrees that were reported."""
+
+    def outdated(self, before: datetime, size: int) -> list[str]:
+        """Return the ids of fits that ended before a moment, and of the oldest beyond `size` bytes of ended fits."""
 
 
 class BlobStore(Protocol):
@@ -71,23 +98,26 @@ class Workers(Protocol):
 
         Raises
         ------
-        DeadlineExceededError, WorkerCrashedError
-            If it took longer than `deadline` seconds, or the process died.
+        DeadlineExceededError, WorkerCrashedError, OutOfMemoryError
+            If it took longer than `deadline` seconds, the process died, or it needed more memory than it may take.
 
         """
 
 
 class FitQueue(Protocol):
-    """Runs accepted fits."""
+    """Runs accepted fits, or sees that others do."""
 
     @property
     def stopping(self) -> bool:
         """Return whether the server is about to stop, and nothing new is to be accepted."""
 
-    def stop(self) -> None:
-        """Let everybody who waits for a fit go: the server is about to stop."""
+    async def drain(self, seconds: float) -> None:
+        """Start nothing more, give what runs so much time to end, then let everybody who waits for a fit go."""
 
-    def submit(self, fit_id: str) -> None:
+    def hurry(self) -> None:
+        """End a drain at once."""
+
+    def submit(self, fit: Fit) -> None:
         """See that the fit is run."""
 
     def cancel(self, fit_id: str) -> None:
@@ -96,5 +126,5 @@ class FitQueue(Protocol):
     async def wait(self, fit_id: str, seconds: float) -> None:
         """Return when the fit has ended, the time is up, or the server is about to stop."""
 
-    def progress(self, fit_id: str) -> list[dict[str, Any]]:
+    async def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees tried so far by a running fit."""

@@ -53,7 +53,7 @@ class Blobs:
             fs.rm_file(path)
 
     def _at(self, key: str) -> tuple[fsspec.AbstractFileSystem, str]:
-        fs, root = fsspec.url_to_fs(self.url)
+        fs, root = fsspec.url_to_fs(self.url, use_listings_cache=False)  # others put and delete here, too
         return fs, f"{root}/{key[:2]}/{key}"
 
 

@@ -1,174 +1,202 @@
 """Fits in a SQL database, through SQLAlchemy Core."""
 
-import sqlite3
-from datetime import UTC, datetime
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import datetime, timedelta
+from threading import Lock
 from typing import Any
 
 import orjson
-from sqlalchemy import (
-    Column,
-    Connection,
-    DateTime,
-    Engine,
-    Integer,
-    LargeBinary,
-    MetaData,
-    Row,
-    String,
-    Table,
-    create_engine,
-    event,
-    select,
-    update,
-)
+from sqlalchemy import Connection, Engine, func, select, text, update
+from sqlalchemy.exc import IntegrityError
 
-from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef, sources
+from service.jobs.errors import KeyReusedError, QueueFullError
+from service.jobs.fit import Failure, Fit, FitStatus, Holder
+from service.store import moves, rows
+from service.store.moves import FREE, Line
+from service.store.tables import fits
 
-metadata = MetaData()
-fits = Table(
-    "fits",
-    metadata,
-    Column("id", String, primary_key=True),
-    Column("status", String, nullable=False, index=True),
-    Column("input", String, nullable=False, index=True),
-    Column("dimension", Integer, nullable=False),
-    Column("points", Integer, nullable=False),
-    Column("options", LargeBinary, nullable=False),
-    Column("created", DateTime, nullable=False, index=True),
-    Column("started", DateTime),
-    Column("finished", DateTime),
-    Column("attempt", Integer, nullable=False, default=0),
-    Column("result", LargeBinary),
-    Column("failure", LargeBinary),
-)
-
-
-def sqlite_engine(path: Path) -> Engine:
-    """Return an engine on a SQLite file in WAL mode that flushes every commit to disk, and make its tables."""
-    engine = create_engine(f"sqlite:///{path}")
-
-    @event.listens_for(engine, "connect")
-    def _durable(connection: sqlite3.Connection, _record: object) -> None:
-        cursor = connection.cursor()
-        for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=10000"):
-            cursor.execute(f"PRAGMA {pragma}")
-        cursor.close()
-
-    metadata.create_all(engine)
-    return engine
+ENDED = [status for status in FitStatus if status.final]
 
 
 class SqlFits:
     """The fit store. Every method is one transaction; a move names the statuses it may start from, in its WHERE."""
 
-    def __init__(self, engine: Engine) -> None:
-        """Use an engine whose tables exist."""
-        self._engine = engine
+    def __init__(self, engine: Engine, limit: int, line: Line | None = None) -> None:
+        """Use an engine whose tables exist; let at most `limit` fits wait; tell `line` of what comes and goes."""
+        self._engine, self._limit, self._line = engine, limit, line
+        self._alone = Lock()
 
-    def add(self, fit: Fit) -> None:
-        """Store a new fit."""
-        row = {
-            "id": fit.id,
-            "status": fit.status,
-            "input": fit.input.key,
-            "dimension": fit.input.dimension,
-            "points": fit.input.points,
-            "options": orjson.dumps(fit.options),
-            "created": _naive(fit.created),
-            "attempt": fit.attempt,
-        }
-        with self._engine.begin() as connection:
-            connection.execute(fits.insert().values(row))
+    def add(self, fit: Fit, keep: Callable[[], object]) -> Fit:
+        """Store a new fit and its input, unless it was stored before."""
+        try:
+            return self._add(fit, keep)
+        except IntegrityError:
+            if fit.key is None:
+                raise
+            return self._add(fit, keep)  # whoever came first with this key has committed by now, and is found
+
+    def _add(self, fit: Fit, keep: Callable[[], object]) -> Fit:
+        with self._holding(fit.input.key) as connection:
+            earlier = self._earlier(connection, fit)
+            if earlier is not None:
+                return earlier
+            self._check_room(connection)
+            keep()
+            connection.execute(fits.insert().values(rows.from_fit(fit)))
+            if self._line is not None:
+                job = self._line.join(connection, fit.id, fit.cost)
+                connection.execute(update(fits).where(fits.c.id == fit.id).values(job=job))
+        return fit
 
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
         with self._engine.connect() as connection:
             row = connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
-        return None if row is None else _fit(row)
+        return None if row is None else rows.to_fit(row)
 
-    def start(self, fit_id: str) -> int | None:
-        """Move to running and return the attempt, from 1; None if the fit is not waiting."""
-        values = {"started": _now(), "attempt": fits.c.attempt + 1}
+    def start(self, fit_id: str, holder: Holder) -> int | None:
+        """Move to running, on a lease, and return the attempt, from 1; None if the fit does not wait."""
         with self._engine.begin() as connection:
-            if not _move(connection, fit_id, FitStatus.RUNNING, values):
+            now = moves.clock(connection)
+            moves.take_back(connection, self._line, fits.c.id == fit_id, fits.c.lease < now)
+            values = {
+                "started": now,
+                "holder": holder.name,
+                "lease": now + timedelta(seconds=holder.lease),
+                "progress": None,
+                "attempt": fits.c.attempt + 1,
+            }
+            if not moves.move(connection, self._line, fit_id, FitStatus.RUNNING, values):
                 return None
             return int(connection.execute(select(fits.c.attempt).where(fits.c.id == fit_id)).scalar_one())
 
-    def release(self, fit_id: str, attempt: int) -> bool:
-        """Move from running back to accepted, if this attempt still holds the fit."""
+    def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
+        """Prolong the lease, if this attempt still holds the fit."""
         with self._engine.begin() as connection:
-            return _move(connection, fit_id, FitStatus.ACCEPTED, {"started": None}, attempt)
+            until = moves.clock(connection) + timedelta(seconds=lease)
+            return rows.written(connection, rows.held(fit_id, attempt), lease=until)
+
+    def report(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> bool:
+        """Keep the degrees tried so far, if this attempt still holds the fit."""
+        with self._engine.begin() as connection:
+            return rows.written(connection, rows.held(fit_id, attempt), progress=orjson.dumps(steps))
+
+    def progress(self, fit_id: str) -> list[dict[str, Any]]:
+        """Return the degrees that were reported."""
+        with self._engine.connect() as connection:
+            kept = connection.execute(select(fits.c.progress).where(fits.c.id == fit_id)).scalar()
+        steps: list[dict[str, Any]] = [] if kept is None else orjson.loads(kept)
+        return steps
+
+    def release(self, fit_id: str, attempt: int, *, crashed: bool = False) -> bool:
+        """Move from running back to accepted, if this attempt still holds the fit; count a crash if it was one."""
+        values = {"started": None, "progress": None, "crashes": fits.c.crashes + int(crashed), **FREE}
+        with self._engine.begin() as connection:
+            return moves.move(connection, self._line, fit_id, FitStatus.ACCEPTED, values, attempt)
 
     def finish(
         self, fit_id: str, attempt: int, status: FitStatus, result: bytes | None, failure: Failure | None
     ) -> bool:
         """Move to a final status with its result or failure, if this attempt still holds the fit."""
         reason = None if failure is None else orjson.dumps(failure)
-        values = {"finished": _now(), "result": result, "failure": reason}
+        size = fits.c.size + len(result or b"")
         with self._engine.begin() as connection:
-            return _move(connection, fit_id, status, values, attempt)
+            values = {"result": result, "failure": reason, "size": size, "finished": moves.clock(connection)}
+            return moves.move(connection, self._line, fit_id, status, values | FREE, attempt)
 
     def dismiss(self, fit_id: str) -> bool:
         """Move to dismissed, if the fit is live."""
         with self._engine.begin() as connection:
-            return _move(connection, fit_id, FitStatus.DISMISSED, {"finished": _now()})
+            values = {"finished": moves.clock(connection), **FREE}
+            moved = moves.move(connection, self._line, fit_id, FitStatus.DISMISSED, values)
+            job = connection.execute(select(fits.c.job).where(fits.c.id == fit_id)).scalar()
+            if moved and self._line is not None and job is not None:
+                self._line.leave(connection, job)
+            return moved
 
-    def remove(self, fit_id: str) -> bool:
-        """Forget a fit that has ended."""
-        ended = [status for status in FitStatus if status.final]
+    def remove(self, fit_id: str, drop: Callable[[str], object]) -> bool:
+        """Forget a fit that has ended, and drop its input if no other fit has the same."""
+        ended = (fits.c.id == fit_id) & fits.c.status.in_(ENDED)
         with self._engine.begin() as connection:
-            done = connection.execute(fits.delete().where(fits.c.id == fit_id, fits.c.status.in_(ended)))
-        return bool(done.rowcount)
+            key = connection.execute(select(fits.c.input).where(ended)).scalar()
+            connection.execute(fits.delete().where(ended))
+        if key is None:
+            return False
+        # The row went first: if this is interrupted, a blob is left over, and not a fit without its points.
+        with self._holding(key, alone=True) as connection:
+            if connection.execute(select(fits.c.id).where(fits.c.input == key).limit(1)).first() is None:
+                drop(key)
+        return True
 
-    def uses(self, key: str) -> bool:
-        """Return whether any fit's input is this blob."""
+    def waiting(self) -> list[Fit]:
+        """Return the accepted fits, oldest first."""
+        query = select(fits).where(fits.c.status == FitStatus.ACCEPTED).order_by(fits.c.created, fits.c.id)
         with self._engine.connect() as connection:
-            return connection.execute(select(fits.c.id).where(fits.c.input == key).limit(1)).first() is not None
+            return [rows.to_fit(row) for row in connection.execute(query)]
 
-    def waiting(self) -> list[str]:
-        """Return the ids of accepted fits, oldest first."""
-        query = select(fits.c.id).where(fits.c.status == FitStatus.ACCEPTED).order_by(fits.c.created, fits.c.id)
+    def count_waiting(self) -> int:
+        """Return how many fits are accepted."""
         with self._engine.connect() as connection:
-            return list(connection.execute(query).scalars())
+            return rows.backlog(connection)[0]
 
     def recover(self) -> int:
         """Move every running fit back to accepted; the server that ran them is gone."""
-        running = fits.c.status == FitStatus.RUNNING
         with self._engine.begin() as connection:
-            return connection.execute(update(fits).where(running).values(status=FitStatus.ACCEPTED)).rowcount
+            return moves.take_back(connection, self._line)
 
+    def rejoin(self, seconds: float) -> int:
+        """Put live fits in line again that nobody has held for so long and that have no job there; return how many.
 
-def _move(
-    connection: Connection, fit_id: str, target: FitStatus, values: dict[str, Any], attempt: int | None = None
-) -> bool:
-    """Make a legal move, fenced by the attempt if one is given; return whether it was made."""
-    where = [fits.c.id == fit_id, fits.c.status.in_(sources(target))]
-    if attempt is not None:
-        where.append(fits.c.attempt == attempt)
-    done = connection.execute(update(fits).where(*where).values(status=target, **values))
-    return bool(done.rowcount)
+        There should be none. But a connection may be cut in the very moment in which a job's end is written down.
+        """
+        line = self._line
+        if line is None:
+            return 0
+        with self._engine.begin() as connection:
+            now = moves.clock(connection)
+            live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
+            idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
+            query = select(fits.c.id, fits.c.cost, fits.c.job).where(live, idle).with_for_update(skip_locked=True)
+            found = connection.execute(query).all()
+            in_line = line.in_line(connection, [one.job for one in found])
+            lost = [one for one in found if one.job not in in_line]
+            for one in lost:
+                job = line.join(connection, one.id, one.cost)
+                connection.execute(update(fits).where(fits.c.id == one.id).values(job=job, touched=now))
+        return len(lost)
 
+    def outdated(self, before: datetime, size: int) -> list[str]:
+        """Return the ids of fits that ended before a moment, and of the oldest beyond `size` bytes of ended fits."""
+        newest_first = func.sum(fits.c.size).over(order_by=(fits.c.finished.desc(), fits.c.id))
+        ended = select(fits.c.id, fits.c.finished, newest_first.label("total")).where(fits.c.status.in_(ENDED))
+        each = ended.subquery()
+        too_much = (each.c.finished < before) | (each.c.total > size)
+        with self._engine.connect() as connection:
+            return list(connection.execute(select(each.c.id).where(too_much).order_by(each.c.finished)).scalars())
 
-def _fit(row: Row[Any]) -> Fit:
-    return Fit(
-        id=row.id,
-        status=FitStatus(row.status),
-        input=PointSetRef(row.input, row.dimension, row.points),
-        options=orjson.loads(row.options),
-        created=row.created.replace(tzinfo=UTC),
-        started=row.started and row.started.replace(tzinfo=UTC),
-        finished=row.finished and row.finished.replace(tzinfo=UTC),
-        attempt=row.attempt,
-        result=row.result,
-        failure=None if row.failure is None else Failure(**orjson.loads(row.failure)),
-    )
+    def _earlier(self, connection: Connection, fit: Fit) -> Fit | None:
+        """Return the fit that came with the same key, if this one has a key."""
+        if fit.key is None:
+            return None
+        row = connection.execute(select(fits).where(fits.c.key == fit.key)).one_or_none()
+        if row is not None and row.payload != fit.payload:
+            raise KeyReusedError("this Idempotency-Key came before, with another point set or other options")
+        return None if row is None else rows.to_fit(row)
 
+    def _check_room(self, connection: Connection) -> None:
+        count, cost = rows.backlog(connection)
+        if count >= self._limit:
+            raise QueueFullError(f"{count} fits wait already, as many as may", retry_after=cost / count)
 
-def _now() -> datetime:
-    return _naive(datetime.now(UTC))
-
-
-def _naive(moment: datetime) -> datetime:
-    """Return a moment as SQLite keeps it: UTC without a zone."""
-    return moment.astimezone(UTC).replace(tzinfo=None)
+    @contextmanager
+    def _holding(self, key: str, *, alone: bool = False) -> Iterator[Connection]:
+        """Yield a transaction in which an input is not removed; or, `alone`, in which no fit with it is added."""
+        if self._engine.dialect.name == "sqlite":  # a single process has it
+            with self._alone, self._engine.begin() as connection:
+                yield connection
+            return
+        lock = "pg_advisory_xact_lock" if alone else "pg_advisory_xact_lock_shared"
+        with self._engine.begin() as connection:
+            connection.execute(text(f"SELECT {lock}(:key)"), {"key": int(key[:15], 16)})
+            yield connection

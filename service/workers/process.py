@@ -1,11 +1,13 @@
 """What a worker process does apart from its tasks: it connects, watches its server, and runs what it is given."""
 
 import os
+import resource
 import time
 from collections.abc import Callable
 from threading import Thread
 from typing import TypeVar
 
+from service.jobs.errors import OutOfMemoryError
 from service.workers import progress
 
 T = TypeVar("T")
@@ -14,16 +16,30 @@ T = TypeVar("T")
 LOOK = 1.0
 
 
-def enter(address: str) -> None:
-    """Begin the life of a worker: send reports to `address`, and end when the server is gone."""
+def enter(address: str, memory: int) -> None:
+    """Begin the life of a worker: take at most `memory` bytes, report to `address`, end when the server is gone."""
+    hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+    most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)  # the system may have set less
+    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     progress.connect(address)
     Thread(target=_leave_with, args=(os.getppid(),), name="leave-with-server", daemon=True).start()
 
 
 def run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) -> T:
-    """Run a function as this task."""
+    """Run a function as this task.
+
+    Raises
+    ------
+    OutOfMemoryError
+        If it needs more memory than the process may take.
+
+    """
     progress.begin(task)
-    return function(*arguments)
+    try:
+        return function(*arguments)
+    except MemoryError as error:
+        most = resource.getrlimit(resource.RLIMIT_DATA)[0]
+        raise OutOfMemoryError(f"The work needs more than the {most} bytes that a worker may take: {error}") from None
 
 
 def idle() -> None:

@@ -25,19 +25,22 @@ class _Sender:
     """Where this process's reports go; set when a worker starts and at each task."""
 
     channel: socket.socket | None = None
+    folder: Path = Path()
     task: str = ""
 
 
 def connect(address: str) -> None:
     """Send this process's reports to `address` from now on."""
+    _Sender.folder = Path(address).parent
     _Sender.channel = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     _Sender.channel.settimeout(PATIENCE)
     _Sender.channel.connect(address)
 
 
 def begin(task: str) -> None:
-    """Mark the following reports as this task's."""
+    """Mark the following reports as this task's, and leave word which process works on it."""
     _Sender.task = task
+    (_Sender.folder / task).write_text(str(os.getpid()), encoding="ascii")
 
 
 def report(payload: object) -> None:
@@ -68,9 +71,17 @@ class Inbox:
         """Call `listener`, in the inbox's thread, with every report of this task."""
         self._listeners[task] = listener
 
+    def worker(self, task: str) -> int | None:
+        """Return the process that works on the task, or None if none has begun."""
+        try:
+            return int((Path(self._folder) / task).read_text(encoding="ascii"))
+        except (FileNotFoundError, ValueError):  # a worker that is about to write the number has not begun either
+            return None
+
     def forget(self, task: str) -> None:
-        """Drop the task's listener."""
+        """Drop the task's listener, and the word about its process."""
         self._listeners.pop(task, None)
+        (Path(self._folder) / task).unlink(missing_ok=True)
 
     def close(self) -> None:
         """Stop listening and remove the socket."""

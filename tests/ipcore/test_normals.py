@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import minimum_spanning_tree
+from scipy.spatial import cKDTree
 
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
-from ipcore.normals import NormalSource, estimate_normals, orient
+from ipcore.normals import NormalSource, _spanning_forest, _weights, estimate_normals, orient
 from ipcore.outline import is_outline, outline_normals
 from ipcore.winding import self_check
 
@@ -161,6 +164,34 @@ def test_too_few_neighbours_are_refused(neighbours: int) -> None:
     assert caught.value.at == ("neighbours",)
     with pytest.raises(InvalidOptionsError):
         estimate_normals(sphere(20), neighbours)
+
+
+@pytest.mark.parametrize("n", [50, 3000])
+def test_spanning_forest_is_as_light_as_that_of_all_edges(n: int) -> None:
+    p, neighbours = np.vstack([torus(n)[0], torus(n)[0] + 9.0]), 6
+    normals = torus(n)[1][np.random.default_rng(1).permutation(np.tile(np.arange(n), 2))]  # any will do
+    distances, indices = cKDTree(p).query(p, k=neighbours + 1)
+    near, r = np.asarray(indices)[:, 1:], np.asarray(distances)[:, 1:]
+    forest = _spanning_forest(p, normals, near, r)
+    i, j = np.repeat(np.arange(2 * n), neighbours), near.ravel()
+    whole = minimum_spanning_tree(csr_array((_weights(p, normals, i, j), (i, j)), shape=(2 * n, 2 * n)))
+    assert forest.nnz == whole.nnz
+    assert forest.sum() == pytest.approx(whole.sum(), rel=1e-12)
+
+
+def test_normals_do_not_depend_on_the_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, _ = torus(40_000)
+    found = []
+    for threads in ("1", "3"):
+        monkeypatch.setenv("OMP_NUM_THREADS", threads)
+        found.append(estimate_normals(points))
+    np.testing.assert_array_equal(found[0], found[1])
+
+
+def test_normals_go_with_their_points_whatever_the_order() -> None:
+    points, _ = torus(3000)
+    order = np.random.default_rng(5).permutation(len(points))
+    np.testing.assert_allclose(estimate_normals(points[order]), estimate_normals(points)[order], atol=1e-9)
 
 
 # is it an outline?

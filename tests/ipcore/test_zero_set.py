@@ -14,9 +14,10 @@ from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.extraction import extract
 from ipcore.frame import Frame
 from ipcore.mesh import cell_vectors
+from ipcore.nearness import NEAR_RADII, near
 from ipcore.polishing import polish
 from ipcore.polynomial import ImplicitPolynomial
-from ipcore.zero_set import NEAR_RADII, ZeroSet, near, zero_set
+from ipcore.zero_set import ZeroSet, zero_set
 
 EPS = float(np.finfo(float).eps)
 SQUARE = np.array([[-2.0, -2.0], [2.0, 2.0]])

@@ -6,6 +6,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from tests.service.postgres import Postgres
 from tests.service.running import Server
 
 Start = Callable[..., Server]
@@ -15,6 +16,14 @@ Start = Callable[..., Server]
 def client(shared: Server) -> httpx.Client:
     """Return a client of the shared server."""
     return shared.client
+
+
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[Postgres]:
+    """Start a PostgreSQL for tests that leave it running."""
+    server = Postgres()
+    yield server
+    server.remove()
 
 
 @pytest.fixture

@@ -26,28 +26,65 @@ def until(found: Callable[[], T], seconds: float = 30.0) -> T:
     return value
 
 
-class Server:
-    """One run of `ipfit serve`. Settings are given by the name of the variable without IPFIT_."""
+class Program:
+    """One run of an `ipfit` command. Settings are given by the name of the variable without IPFIT_."""
 
-    def __init__(self, folder: Path, **settings: object) -> None:
+    def __init__(self, command: str, folder: Path, **settings: object) -> None:
         self.folder = folder
         self._log = folder.parent / f"{folder.name}-{time.monotonic_ns()}.log"
         kept = {name: value for name, value in os.environ.items() if not name.startswith("IPFIT_")}
-        told = {"PORT": 0, "DATA_DIR": folder, "WORKERS": 2, **settings}
+        told = {"PORT": 0, "DATA_DIR": folder, "WORKERS": 2, "SHORT_WORKERS": 0, "SHUTDOWN_GRACE": 0, **settings}
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(  # noqa: S603 - our own command
-                [COMMAND, "serve"],
+                [COMMAND, command],
                 env=kept | {f"IPFIT_{name}": str(value) for name, value in told.items()},
                 stdout=log,
                 stderr=subprocess.STDOUT,
             )
-        self.url = until(self._listening, 60.0)
-        self.client = httpx.Client(base_url=self.url, timeout=60.0)
-        until(lambda: self.client.get("/readyz").is_success)
 
     @property
     def log(self) -> str:
         return self._log.read_text(encoding="utf-8")
+
+    def kill(self) -> None:
+        """End it as a power cut does."""
+        self.process.kill()
+        self.process.wait(10.0)
+
+    def workers(self) -> list[int]:
+        """Return the worker processes: what the fork server has forked."""
+        return [worker for child in children(self.process.pid) for worker in children(child)]
+
+    def busy(self, seconds: float = 0.3) -> list[int]:
+        """Return the workers that used the processor for most of so many seconds of it."""
+        before = {pid: ticks(pid) for pid in self.workers()}
+        time.sleep(seconds)
+        clock = os.sysconf("SC_CLK_TCK")
+        return [pid for pid, at in before.items() if ticks(pid) - at > 0.2 * seconds * clock]
+
+
+class Worker(Program):
+    """One run of `ipfit worker`."""
+
+    def __init__(self, folder: Path, **settings: object) -> None:
+        super().__init__("worker", folder, **settings)
+
+    def stop(self, seconds: float = 15.0) -> None:
+        """Stop as a supervisor does; the worker must end well, and leave no process behind."""
+        left = self.workers()
+        self.process.send_signal(signal.SIGTERM)
+        assert self.process.wait(seconds) == 0, self.log
+        assert not [pid for pid in left if alive(pid)]
+
+
+class Server(Program):
+    """One run of `ipfit serve`."""
+
+    def __init__(self, folder: Path, **settings: object) -> None:
+        super().__init__("serve", folder, **settings)
+        self.url = until(self._listening, 60.0)
+        self.client = httpx.Client(base_url=self.url, timeout=60.0)
+        until(lambda: self.client.get("/readyz").is_success)
 
     def _listening(self) -> str:
         assert self.process.poll() is None, self.log
@@ -66,19 +103,7 @@ class Server:
     def kill(self) -> None:
         """End the server as a power cut does."""
         self.client.close()
-        self.process.kill()
-        self.process.wait(10.0)
-
-    def workers(self) -> list[int]:
-        """Return the worker processes: what the fork server has forked."""
-        return [worker for child in children(self.process.pid) for worker in children(child)]
-
-    def busy(self, seconds: float = 0.3) -> list[int]:
-        """Return the workers that used the processor for most of so many seconds of it."""
-        before = {pid: ticks(pid) for pid in self.workers()}
-        time.sleep(seconds)
-        clock = os.sysconf("SC_CLK_TCK")
-        return [pid for pid, at in before.items() if ticks(pid) - at > 0.2 * seconds * clock]
+        super().kill()
 
     def fit(self, content: bytes, query: str = "", prefer: str = "wait=60") -> dict[str, Any]:
         """Send an npy and return the fit."""

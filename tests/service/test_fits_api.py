@@ -6,6 +6,7 @@ import re
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal
+from uuid import uuid4
 
 import httpx
 import numpy as np
@@ -144,6 +145,21 @@ def test_async_then_long_poll(shared: Server) -> None:
     assert now.json()["status"] == "successful"
     assert "progress" not in now.json()
     assert "Retry-After" not in now.headers
+
+
+def test_an_idempotency_key_gets_one_fit_and_takes_no_other_payload(shared: Server) -> None:
+    key = {"Idempotency-Key": uuid4().hex, "Prefer": "respond-async"}
+    first = post(shared.client, LONG, "t1=0&max_degree=6", **key)
+    running = post(shared.client, LONG, "t1=0&max_degree=6", **key)
+    assert (first.status_code, running.status_code) == (202, 202)
+    shared.look(first.json(), wait=60)
+    ended = post(shared.client, LONG, "t1=0&max_degree=6", **key)
+    assert (ended.status_code, ended.json()["status"]) == (200, "successful")
+    assert first.json()["id"] == running.json()["id"] == ended.json()["id"]
+    for body, query in ((LONG, "t1=0&max_degree=5"), (npy(ellipse()), "t1=0&max_degree=6")):
+        other = post(shared.client, body, query, **key)
+        assert (other.status_code, other.json()["type"]) == (422, "urn:ipfit:problem:key-reused")
+    assert post(shared.client, npy(ellipse()), **{"Idempotency-Key": "k" * 201}).status_code == 422
 
 
 @pytest.mark.parametrize("prefer", ["wait=0", "wait=1, respond-async"])

@@ -1,51 +1,77 @@
-"""The fit store on real SQLite files: durable, and no move but the legal ones."""
+"""The fit store on SQLite files and on a PostgreSQL: durable, and no move but the legal ones."""
 
 import dataclasses
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import pytest
-from sqlalchemy import text
+from procrastinate.exceptions import ConnectorException
+from sqlalchemy import Engine, text
 
-from service.jobs.fit import MOVES, Failure, Fit, FitStatus, PointSetRef
-from service.store.fits import SqlFits, sqlite_engine
+from service.jobs.errors import KeyReusedError, QueueFullError
+from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, Fit, FitStatus, Holder, PointSetRef
+from service.queue.postgres import PostgresLine, schema
+from service.store.fits import SqlFits
+from service.store.tables import postgres_engine, sqlite_engine
+from tests.service.postgres import Postgres
 
+LIMIT = 40
+ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
 NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
 
 
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[SqlFits]:
-    engine = sqlite_engine(tmp_path / "fits.sqlite")
-    yield SqlFits(engine)
+@pytest.fixture(scope="session")
+def database(postgres: Postgres) -> Iterator[Engine]:
+    engine = postgres_engine(postgres.database(), schema())
+    yield engine
     engine.dispose()
 
 
-def fit(fit_id: str = "one", key: str = "k", created: datetime = NOW) -> Fit:
-    return Fit(fit_id, FitStatus.ACCEPTED, PointSetRef(key, 3, 100), {"t1": 0.02}, created)
+@pytest.fixture(params=["sqlite", "postgresql"])
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
+    if request.param == "postgresql":
+        engine: Engine = request.getfixturevalue("database")
+        with engine.begin() as connection:
+            connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
+        yield SqlFits(engine, LIMIT, PostgresLine())
+        return
+    engine = sqlite_engine(tmp_path / "fits.sqlite")
+    yield SqlFits(engine, LIMIT)
+    engine.dispose()
+
+
+def fit(fit_id: str = "one", blob: str = "b10b", created: datetime = NOW, **more: Any) -> Fit:  # noqa: ANN401 - any
+    return Fit(fit_id, FitStatus.ACCEPTED, PointSetRef(blob, 3, 100, 1000), {"t1": 0.02}, created, **more)
+
+
+def add(store: SqlFits, new: Fit) -> Fit:
+    return store.add(new, list)
 
 
 def bring(store: SqlFits, status: FitStatus) -> None:
     """Add a fit and bring it to this status."""
-    store.add(fit())
+    add(store, fit())
     if status is FitStatus.DISMISSED:
         store.dismiss("one")
     elif status is not FitStatus.ACCEPTED:
-        store.start("one")
+        store.start("one", ME)
     if status in (FitStatus.SUCCESSFUL, FitStatus.FAILED):
         store.finish("one", 1, status, None, None)
 
 
 def test_what_was_added_comes_back(store: SqlFits) -> None:
-    store.add(fit())
+    add(store, fit())
     assert store.get("one") == fit()
     assert store.get("two") is None
 
 
 def test_a_successful_life(store: SqlFits) -> None:
-    store.add(fit())
-    assert store.start("one") == 1
+    add(store, fit())
+    assert store.start("one", ME) == 1
     assert store.finish("one", 1, FitStatus.SUCCESSFUL, b"{}", None)
     found = store.get("one")
     assert found is not None
@@ -66,7 +92,7 @@ def test_a_failure_comes_back(store: SqlFits) -> None:
 
 
 ACTIONS: list[tuple[FitStatus, Callable[[SqlFits], object]]] = [
-    (FitStatus.RUNNING, lambda store: store.start("one")),
+    (FitStatus.RUNNING, lambda store: store.start("one", ME)),
     (FitStatus.ACCEPTED, lambda store: store.release("one", 1)),
     (FitStatus.SUCCESSFUL, lambda store: store.finish("one", 1, FitStatus.SUCCESSFUL, b"{}", None)),
     (FitStatus.FAILED, lambda store: store.finish("one", 1, FitStatus.FAILED, None, Failure("a", "b"))),
@@ -92,7 +118,7 @@ def test_every_move_is_made_if_legal_and_changes_nothing_if_not(
 def test_only_the_attempt_that_holds_a_fit_may_end_it(store: SqlFits) -> None:
     bring(store, FitStatus.RUNNING)
     assert store.release("one", 1)
-    assert store.start("one") == 2
+    assert store.start("one", ME) == 2
     assert not store.finish("one", 1, FitStatus.SUCCESSFUL, b"stale", None)
     assert not store.release("one", 1)
     assert store.finish("one", 2, FitStatus.SUCCESSFUL, b"fresh", None)
@@ -102,53 +128,171 @@ def test_only_the_attempt_that_holds_a_fit_may_end_it(store: SqlFits) -> None:
 
 
 def test_of_many_who_start_a_fit_one_does(store: SqlFits) -> None:
-    store.add(fit())
+    add(store, fit())
     with ThreadPoolExecutor(8) as threads:
-        started = list(threads.map(lambda _: store.start("one"), range(32)))
+        started = list(threads.map(lambda _: store.start("one", ME), range(32)))
     assert [attempt for attempt in started if attempt is not None] == [1]
 
 
 def test_those_that_wait_stand_in_line(store: SqlFits) -> None:
     for i, name in enumerate(["c", "a", "b"]):
-        store.add(fit(name, created=NOW + timedelta(seconds=i)))
-    store.start("a")
-    assert store.waiting() == ["c", "b"]
+        add(store, fit(name, created=NOW + timedelta(seconds=i)))
+    store.start("a", ME)
+    assert [one.id for one in store.waiting()] == ["c", "b"]
 
 
 def test_recovery_puts_the_interrupted_back_in_line(store: SqlFits) -> None:
     for name in ("a", "b", "c"):
-        store.add(fit(name))
-    store.start("a")
-    store.start("b")
+        add(store, fit(name))
+    store.start("a", ME)
+    store.start("b", ME)
     store.finish("b", 1, FitStatus.SUCCESSFUL, b"{}", None)
     assert store.recover() == 1
-    assert store.waiting() == ["a", "c"]
-    assert store.start("a") == 2
+    assert [one.id for one in store.waiting()] == ["a", "c"]
+    assert store.start("a", ME) == 2
 
 
 @pytest.mark.parametrize("status", list(FitStatus))
 def test_only_what_has_ended_is_removed(store: SqlFits, status: FitStatus) -> None:
     bring(store, status)
-    assert store.remove("one") is status.final
+    assert store.remove("one", list) is status.final
     assert (store.get("one") is None) is status.final
 
 
-def test_a_blob_is_in_use_while_any_fit_has_it(store: SqlFits) -> None:
+def test_an_input_goes_with_the_last_fit_that_has_it(store: SqlFits) -> None:
     for name in ("a", "b"):
-        store.add(fit(name, key="shared"))
+        add(store, fit(name, blob="54a3d"))
         store.dismiss(name)
-    store.remove("a")
-    assert store.uses("shared")
-    store.remove("b")
-    assert not store.uses("shared")
+    dropped: list[str] = []
+    assert store.remove("a", dropped.append)
+    assert dropped == []
+    assert store.remove("b", dropped.append)
+    assert dropped == ["54a3d"]
+    assert not store.remove("b", dropped.append)
+
+
+def test_a_key_gets_the_fit_that_it_came_with_first_and_no_other_payload(store: SqlFits) -> None:
+    first = add(store, fit("a", key="k", payload="p"))
+    assert add(store, fit("b", key="k", payload="p")) == first
+    store.start("a", ME)
+    again = add(store, fit("c", key="k", payload="p"))
+    assert (again.id, again.status) == ("a", FitStatus.RUNNING)
+    with pytest.raises(KeyReusedError):
+        add(store, fit("d", key="k", payload="q"))
+    assert [store.get(name) for name in "bcd"] == [None] * 3
+    for name in ("e", "f"):
+        assert add(store, fit(name)).id == name  # without a key, every fit is another one
+
+
+def test_of_many_with_one_key_one_is_stored(store: SqlFits) -> None:
+    with ThreadPoolExecutor(8) as threads:
+        stored = list(threads.map(lambda i: add(store, fit(f"{i}", key="k", payload="p")).id, range(32)))
+    assert len(set(stored)) == 1
+    assert store.count_waiting() == 1
+
+
+def test_no_more_wait_than_may_and_those_with_a_known_key_are_still_answered(store: SqlFits) -> None:
+    for i in range(LIMIT):
+        add(store, fit(f"{i}", key=f"{i}", payload="p", cost=12.0))
+    kept: list[int] = []
+    with pytest.raises(QueueFullError) as full:
+        store.add(fit("more"), lambda: kept.append(1))
+    assert not kept
+    assert full.value.retry_after == pytest.approx(12.0)
+    assert add(store, fit("again", key="3", payload="p")).id == "3"
+    store.start("0", ME)
+    add(store, fit("more"))
+
+
+def test_what_cannot_be_kept_is_not_accepted(store: SqlFits) -> None:
+    def fail() -> None:
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        store.add(fit(), fail)
+    assert store.get("one") is None
+
+
+def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
+    add(store, fit())
+    assert store.start("one", Holder("me", 0.05)) == 1
+    assert store.start("one", OTHER) is None
+    time.sleep(0.1)
+    assert store.start("one", OTHER) == 2
+    assert not store.renew("one", 1, 60.0)
+    assert not store.report("one", 1, [{"degree": 1}])
+    assert not store.finish("one", 1, FitStatus.SUCCESSFUL, b"stale", None)
+    assert store.renew("one", 2, 60.0)
+    assert store.finish("one", 2, FitStatus.SUCCESSFUL, b"fresh", None)
+
+
+def test_of_many_who_take_a_fit_over_one_does(store: SqlFits) -> None:
+    add(store, fit())
+    store.start("one", Holder("dead", 0.0))
+    time.sleep(0.01)
+    with ThreadPoolExecutor(8) as threads:
+        started = list(threads.map(lambda _: store.start("one", OTHER), range(32)))
+    assert [attempt for attempt in started if attempt is not None] == [2]
+
+
+def test_a_renewed_lease_holds(store: SqlFits) -> None:
+    add(store, fit())
+    store.start("one", Holder("me", 0.05))
+    assert store.renew("one", 1, 60.0)
+    time.sleep(0.1)
+    assert store.start("one", OTHER) is None
+
+
+def test_a_fit_that_outlives_too_many_supervisors_fails(store: SqlFits) -> None:
+    add(store, fit())
+    for attempt in range(1, MAX_ABANDONED + 1):
+        assert store.start("one", Holder("me", 0.0)) == attempt
+        time.sleep(0.01)
+    assert store.start("one", ME) is None
+    found = store.get("one")
+    assert found is not None
+    assert found.failure is not None
+    assert (found.status, found.failure.kind) == (FitStatus.FAILED, "worker-crashed")
+
+
+def test_crashes_are_counted_and_releases_are_not(store: SqlFits) -> None:
+    add(store, fit())
+    for attempt, crashed in enumerate([False, True, False, True], start=1):
+        store.start("one", ME)
+        assert store.release("one", attempt, crashed=crashed)
+    found = store.get("one")
+    assert found is not None
+    assert (found.crashes, found.attempt) == (2, 4)
+
+
+def test_progress_is_kept_until_the_attempt_ends(store: SqlFits) -> None:
+    bring(store, FitStatus.RUNNING)
+    assert store.progress("one") == []
+    assert store.report("one", 1, [{"degree": 1}, {"degree": 2}])
+    assert store.progress("one") == [{"degree": 1}, {"degree": 2}]
+    store.release("one", 1)
+    assert store.progress("one") == []
+
+
+def test_old_fits_and_the_oldest_beyond_a_size_are_outdated(store: SqlFits) -> None:
+    for name in ("a", "b", "c", "live"):
+        add(store, fit(name))
+    for name in ("a", "b", "c"):
+        store.start(name, ME)
+        store.finish(name, 1, FitStatus.SUCCESSFUL, bytes(500), None)
+    long_ago, soon = NOW - timedelta(days=1), datetime.now(UTC) + timedelta(days=1)
+    assert store.outdated(long_ago, 4500) == []
+    assert store.outdated(long_ago, 4499) == ["a"]
+    assert store.outdated(long_ago, 1500) == ["a", "b"]
+    assert store.outdated(soon, 4500) == ["a", "b", "c"]
 
 
 def test_everything_is_there_when_the_file_is_opened_again(tmp_path: Path) -> None:
     for _ in range(2):
         engine = sqlite_engine(tmp_path / "fits.sqlite")
-        store = SqlFits(engine)
+        store = SqlFits(engine, LIMIT)
         if store.get("one") is None:
-            store.add(fit())
+            add(store, fit())
             lost = True
         else:
             lost = False
@@ -162,3 +306,41 @@ def test_commits_are_flushed_to_disk(tmp_path: Path) -> None:
         assert connection.execute(text("PRAGMA journal_mode")).scalar() == "wal"
         assert connection.execute(text("PRAGMA synchronous")).scalar() == 2  # FULL
     engine.dispose()
+
+
+def jobs(engine: Engine) -> list[str]:
+    with engine.connect() as connection:
+        return list(connection.execute(text("SELECT status FROM procrastinate_jobs ORDER BY id")).scalars())
+
+
+@pytest.fixture
+def shared(database: Engine) -> SqlFits:
+    with database.begin() as connection:
+        connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
+    return SqlFits(database, LIMIT, PostgresLine())
+
+
+def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, database: Engine) -> None:
+    add(shared, fit())
+    assert jobs(database) == ["todo"]
+    with database.begin() as connection:
+        connection.execute(text("ALTER TABLE procrastinate_jobs RENAME TO elsewhere"))
+    with pytest.raises(ConnectorException):
+        add(shared, fit("two"))
+    with database.begin() as connection:
+        connection.execute(text("ALTER TABLE elsewhere RENAME TO procrastinate_jobs"))
+    assert shared.get("two") is None
+    assert shared.dismiss("one")
+    assert jobs(database) == ["cancelled"]
+
+
+def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: SqlFits, database: Engine) -> None:
+    for name in ("lost", "waits", "runs", "ended"):
+        add(shared, fit(name))
+    shared.start("runs", ME)
+    shared.dismiss("ended")
+    with database.begin() as connection:
+        connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed' WHERE args->>'fit_id' <> 'waits'"))
+    assert shared.rejoin(60.0) == 1
+    assert sorted(jobs(database)) == ["failed"] * 3 + ["todo"] * 2
+    assert shared.rejoin(0.0) == 0

@@ -15,12 +15,12 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
-from service.bootstrap import embedded
+from service.bootstrap import application
 from service.settings import Settings
 from tests.service.bodies import ellipse, npy, sphere
 
 schemathesis.serializer.alias("application/x-npy", "application/octet-stream")
-SCHEMA = schemathesis.openapi.from_dict(embedded(Settings()).openapi())
+SCHEMA = schemathesis.openapi.from_dict(application(Settings()).openapi())
 CHECKS = (not_a_server_error, status_code_conformance, content_type_conformance, response_schema_conformance)
 QUICK = settings(
     max_examples=12,

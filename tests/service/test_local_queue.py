@@ -12,18 +12,25 @@ from typing import Any
 
 from sqlalchemy import Engine, text
 
-from service.jobs.fit import Fit, FitStatus, PointSetRef
+from service.jobs.cost import SHORT
+from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
 from service.queue.local import LocalQueue
+from service.queue.runner import Runner
 from service.store.blobs import Blobs
-from service.store.fits import SqlFits, sqlite_engine
+from service.store.fits import SqlFits
+from service.store.tables import sqlite_engine
 from service.workers.pool import WorkerPool
 from service.workers.progress import report
+
+LONG = 10.0 * SHORT
 
 
 def task(blobs: Blobs, key: str, dimension: int, options: dict[str, Any]) -> bytes:
     """Do what the options say."""
     report({"degree": dimension})
     time.sleep(options.get("seconds", 0.0))
+    if options.get("greedy"):
+        bytes(2**31)
     if "once" in options and not Path(options["once"]).exists():
         Path(options["once"]).touch()
         os.kill(os.getpid(), signal.SIGKILL)
@@ -42,20 +49,18 @@ class Bench:
     """A queue and what it works with."""
 
     def __init__(self, folder: Path, engine: Engine, workers: WorkerPool) -> None:
-        self.engine, self.store, self.blobs = engine, SqlFits(engine), Blobs(str(folder / "blobs"))
+        self.engine, self.store, self.blobs = engine, SqlFits(engine, 1000), Blobs(str(folder / "blobs"))
         self.workers = workers
         self.queue = self.anew()
 
     def anew(self) -> LocalQueue:
-        return LocalQueue(self.store, self.blobs, self.workers, task, slots=1, deadline=1.0)
+        runner = Runner(self.store, self.blobs, self.workers, task, holder=Holder("me", 1.0), deadline=1.0)
+        return LocalQueue(self.store, runner, seats=1, short_seats=1)
 
-    def add(self, name: str, **options: Any) -> None:  # noqa: ANN401 - of any kind
+    def submit(self, name: str, client: str = "", cost: float = LONG, **options: Any) -> None:  # noqa: ANN401 - any
         key = self.blobs.put(b"answer")
-        self.store.add(Fit(name, FitStatus.ACCEPTED, PointSetRef(key, 3, 9), options, datetime.now(UTC)))
-
-    def submit(self, name: str, **options: Any) -> None:  # noqa: ANN401 - of any kind
-        self.add(name, **options)
-        self.queue.submit(name)
+        fit = Fit(name, FitStatus.ACCEPTED, PointSetRef(key, 3, 9), options, datetime.now(UTC), client, cost)
+        self.queue.submit(self.store.add(fit, list))
 
     async def ended(self, name: str) -> Fit:
         await self.queue.wait(name, 20.0)
@@ -74,9 +79,10 @@ class Bench:
 
 @asynccontextmanager
 async def bench(folder: Path) -> AsyncIterator[Bench]:
-    engine, workers = sqlite_engine(folder / "fits.sqlite"), WorkerPool(1, 100)
+    engine, workers = sqlite_engine(folder / "fits.sqlite"), WorkerPool(2, 100, 2**30)
     made = Bench(folder, engine, workers)
-    await workers.run(loaded)
+    await asyncio.gather(workers.run(loaded), workers.run(loaded))
+    await made.queue.resume()
     try:
         yield made
     finally:
@@ -100,15 +106,18 @@ def test_fits_are_run_and_end_as_they_should(tmp_path: Path) -> None:
         b.submit("deadly", die=True)
         b.submit("unlucky", once=str(tmp_path / "once"))
         b.submit("slow", seconds=30.0)
+        b.submit("greedy", greedy=True)
         b.submit("last")
-        good, bad, deadly, unlucky, slow, last = [
-            await b.ended(name) for name in ("good", "bad", "deadly", "unlucky", "slow", "last")
+        good, bad, deadly, unlucky, slow, greedy, last = [
+            await b.ended(name) for name in ("good", "bad", "deadly", "unlucky", "slow", "greedy", "last")
         ]
         assert (good.status, good.result, good.attempt) == (FitStatus.SUCCESSFUL, b"answer", 1)
         assert bad.failure is not None
         assert (bad.failure.kind, bad.failure.detail) == ("fit-error", "ValueError: as told")
         assert deadly.failure is not None
-        assert (deadly.failure.kind, deadly.attempt) == ("worker-crashed", 2)
+        assert (deadly.failure.kind, deadly.attempt, deadly.crashes) == ("worker-crashed", 2, 1)
+        assert greedy.failure is not None
+        assert (greedy.failure.kind, greedy.attempt) == ("out-of-memory", 1)
         assert (unlucky.status, unlucky.attempt) == (FitStatus.SUCCESSFUL, 2)
         assert slow.failure is not None
         assert (slow.failure.kind, slow.attempt) == ("deadline-exceeded", 1)
@@ -122,9 +131,9 @@ def test_progress_is_there_while_a_fit_runs_and_not_after(tmp_path: Path) -> Non
         b.submit("one", seconds=0.5)
         await b.until("one", FitStatus.RUNNING)
         await asyncio.sleep(0.3)
-        assert b.queue.progress("one") == [{"degree": 3}]
+        assert await b.queue.progress("one") == [{"degree": 3}]
         await b.ended("one")
-        assert b.queue.progress("one") == []
+        assert await b.queue.progress("one") == []
 
     run(tmp_path, script)
 
@@ -149,7 +158,7 @@ def test_a_closed_queue_leaves_its_fits_to_the_next(tmp_path: Path) -> None:
         b.submit("waiting")
         await b.until("running", FitStatus.RUNNING)
         await b.queue.close()
-        assert b.store.waiting() == ["running", "waiting"]
+        assert [fit.id for fit in b.store.waiting()] == ["running", "waiting"]
         b.queue = b.anew()
         await b.queue.resume()
         assert [(await b.ended(name)).status for name in ("running", "waiting")] == [FitStatus.SUCCESSFUL] * 2
@@ -162,8 +171,8 @@ def test_those_who_wait_are_let_go_when_the_server_stops(tmp_path: Path) -> None
         b.submit("one", seconds=0.8)
         waiting = asyncio.create_task(b.queue.wait("one", 20.0))
         await b.until("one", FitStatus.RUNNING)
-        b.queue.stop()
-        await asyncio.wait_for(waiting, 0.3)
+        await asyncio.wait_for(b.queue.drain(0.1), 0.3)
+        await asyncio.wait_for(waiting, 0.1)
         assert b.queue.stopping
         assert b.now("one").status is FitStatus.RUNNING
 
@@ -192,5 +201,88 @@ def test_an_answer_outlives_a_store_that_fails_for_a_while(tmp_path: Path) -> No
             connection.execute(text("ALTER TABLE elsewhere RENAME TO fits"))
         ended = await b.ended("one")
         assert (ended.status, ended.result, ended.attempt) == (FitStatus.SUCCESSFUL, b"answer", 1)
+
+    run(tmp_path, script)
+
+
+def test_a_drain_lets_what_runs_end_and_starts_nothing(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        b.submit("running", seconds=0.5)
+        b.submit("waiting")
+        await b.until("running", FitStatus.RUNNING)
+        await b.queue.drain(10.0)
+        assert b.now("running").status is FitStatus.SUCCESSFUL
+        assert b.now("waiting").status is FitStatus.ACCEPTED
+
+    run(tmp_path, script)
+
+
+def test_a_drain_that_is_hurried_ends_at_once(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        b.submit("running", seconds=30.0)
+        await b.until("running", FitStatus.RUNNING)
+        draining = asyncio.create_task(b.queue.drain(60.0))
+        await asyncio.sleep(0.1)
+        assert not draining.done()
+        b.queue.hurry()
+        await asyncio.wait_for(draining, 0.5)
+        await b.queue.close()
+        assert (b.now("running").status, b.now("running").attempt) == (FitStatus.ACCEPTED, 1)
+
+    run(tmp_path, script)
+
+
+def test_a_queue_closes_in_seconds_though_its_store_fails(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        b.submit("one", seconds=30.0)
+        await b.until("one", FitStatus.RUNNING)
+        with b.engine.begin() as connection:
+            connection.execute(text("ALTER TABLE fits RENAME TO elsewhere"))
+        await asyncio.wait_for(b.queue.close(), 5.0)
+        with b.engine.begin() as connection:
+            connection.execute(text("ALTER TABLE elsewhere RENAME TO fits"))
+        b.queue = b.anew()
+        await b.queue.resume()
+        b.queue.cancel("one")
+
+    run(tmp_path, script)
+
+
+def test_a_short_fit_overtakes_long_ones(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        for name in ("long", "longer"):
+            b.submit(name, seconds=0.7)
+        b.submit("short", cost=0.1)
+        assert (await b.ended("short")).status is FitStatus.SUCCESSFUL
+        assert b.now("long").status is FitStatus.RUNNING
+        assert b.now("longer").status is FitStatus.ACCEPTED
+
+    run(tmp_path, script)
+
+
+def test_a_client_with_one_fit_does_not_wait_for_all_of_another(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        for i in range(6):
+            b.submit(f"many {i}", client="many", seconds=0.1)
+        b.submit("one", client="one")
+        one = await b.ended("one")
+        last = await b.ended("many 5")
+        before = [i for i in range(6) if (b.now(f"many {i}").started or one.created) < (one.started or one.created)]
+        assert before == [0]
+        assert last.status is FitStatus.SUCCESSFUL
+
+    run(tmp_path, script)
+
+
+def test_a_fit_whose_lease_was_lost_is_given_up(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        b.submit("one", seconds=30.0)
+        await b.until("one", FitStatus.RUNNING)
+        b.store.recover()  # as if somebody else had taken it for dead
+        assert b.store.start("one", Holder("other", 60.0)) == 2
+        began = time.monotonic()
+        await b.queue.wait("one", 20.0)
+        assert time.monotonic() - began < 1.0
+        assert (b.now("one").status, b.now("one").attempt) == (FitStatus.RUNNING, 2)
 
     run(tmp_path, script)

@@ -10,12 +10,12 @@ import httpx
 import jsonschema_rs
 import pytest
 
-from service.bootstrap import embedded
+from service.bootstrap import application
 from service.settings import Settings
 from tests.service.running import COMMAND
 
 COMMITTED = Path(__file__).parents[2] / "openapi" / "openapi.json"
-DOCUMENT: dict[str, Any] = embedded(Settings()).openapi()
+DOCUMENT: dict[str, Any] = application(Settings()).openapi()
 EXAMPLES = DOCUMENT["components"]["schemas"]["FitRequest"]["examples"]
 
 

@@ -1,6 +1,7 @@
 """Crashes, deadlines and restarts, with real kills."""
 
 import os
+import resource
 import signal
 import sqlite3
 import subprocess
@@ -13,8 +14,10 @@ from functools import partial
 import httpx
 import pytest
 
-from tests.service.bodies import HALF_A_MINUTE, LONG, SOME_SECONDS, ellipse, npy
+from tests.service.bodies import HALF_A_MINUTE, LONG, SOME_SECONDS, ellipse, npy, torus
 from tests.service.running import COMMAND, Server, alive, parent, until
+
+NPY = {"Content-Type": "application/x-npy"}
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +124,7 @@ def test_progress_grows_while_a_fit_runs(own: Server) -> None:
 def test_no_fit_is_lost_when_the_server_is_killed_or_stopped(start: Callable[..., Server]) -> None:
     first = start(WORKERS=1)
     running = first.fit(LONG, SOME_SECONDS, "respond-async")
-    waiting = first.fit(npy(ellipse()), prefer="respond-async")
+    waiting = first.fit(LONG, "t1=0&max_degree=5", "respond-async")
     first.under_way(running)
     assert first.look(waiting)["status"] == "accepted"
     orphans = first.workers()
@@ -146,6 +149,92 @@ def test_no_fit_is_lost_when_the_server_is_killed_or_stopped(start: Callable[...
     ended = [third.look(fit, wait=60) for fit in (running, waiting)]
     assert [fit["status"] for fit in ended] == ["successful"] * 2
     third.stop()
+
+
+def test_a_stopping_server_lets_fits_end_and_answers_meanwhile(start: Callable[..., Server]) -> None:
+    first = start(WORKERS=1, SHUTDOWN_GRACE=30)
+    running = first.fit(LONG, SOME_SECONDS, "respond-async")
+    first.under_way(running)
+    with ThreadPoolExecutor() as threads:
+        where = f"{first.url}/v1/fits/{running['id']}"
+        patient = threads.submit(httpx.get, where, headers={"Prefer": "wait=60"}, timeout=60.0)
+        time.sleep(0.3)
+        first.process.send_signal(signal.SIGTERM)
+        until(lambda: first.client.get("/readyz").status_code == 503)
+        refused = first.client.post("/v1/fits", content=npy(ellipse()), headers=NPY)
+        assert (refused.status_code, refused.json()["type"]) == (503, "urn:ipfit:problem:shutting-down")
+        assert patient.result().json()["status"] == "successful"
+    assert first.process.wait(10.0) == 0
+    first.client.close()
+    second = start(WORKERS=1)
+    assert second.look(running)["status"] == "successful"
+    second.stop()
+
+
+def test_a_second_signal_ends_a_stopping_server_at_once_and_loses_nothing(start: Callable[..., Server]) -> None:
+    first = start(WORKERS=1, SHUTDOWN_GRACE=600)
+    running = first.fit(LONG, SOME_SECONDS.replace("7", "12"), "respond-async")
+    first.under_way(running)
+    first.process.send_signal(signal.SIGTERM)
+    until(lambda: first.client.get("/readyz").status_code == 503)
+    assert first.process.poll() is None
+    began = time.monotonic()
+    first.process.send_signal(signal.SIGTERM)
+    assert first.process.wait(10.0) == 0
+    assert time.monotonic() - began < 2.0
+    first.client.close()
+    second = start(WORKERS=1)
+    second.under_way(running)
+    second.client.delete(f"/v1/fits/{running['id']}")
+    second.stop()
+
+
+def test_a_full_disk_is_503_and_accepts_nothing(start: Callable[..., Server]) -> None:
+    server = start(WORKERS=1)
+    kept = server.fit(npy(ellipse()))
+    # No file may grow over 4 KiB: the kernel refuses the writes of the server as it does on a full disk.
+    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))
+    for content in (npy(ellipse(61)), npy(ellipse(1000))):
+        answer = server.client.post("/v1/fits", content=content, headers=NPY)
+        assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready"), answer.text
+        assert "Retry-After" in answer.headers
+    assert server.look(kept)["status"] == "successful"
+    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+    with closing(sqlite3.connect(server.folder / "fits.sqlite")) as database:
+        assert database.execute("SELECT count(*) FROM fits").fetchone() == (1,)
+    assert server.fit(npy(ellipse(61)))["status"] == "successful"
+    server.kill()
+
+
+def test_a_full_queue_is_503_and_says_when_to_come_again(start: Callable[..., Server]) -> None:
+    server = start(WORKERS=1, QUEUE_LIMIT=2)
+    fits = [server.fit(LONG, HALF_A_MINUTE, "respond-async")]
+    server.under_way(fits[0], degree=1)
+    fits += [server.fit(LONG, HALF_A_MINUTE, "respond-async") for _ in range(2)]
+    answer = server.client.post("/v1/fits", content=npy(ellipse()), headers=NPY)
+    assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:queue-full")
+    assert int(answer.headers["Retry-After"]) >= 10
+    server.client.delete(f"/v1/fits/{fits[1]['id']}")
+    assert server.fit(npy(ellipse()), prefer="respond-async")["status"] == "accepted"
+    server.stop()
+
+
+def test_a_fit_over_its_memory_fails_and_the_server_goes_on(start: Callable[..., Server]) -> None:
+    server = start(WORKERS=1, WORKER_MEMORY=2**29, MAX_POINTS=200_000)
+    fit = server.fit(npy(torus(100_000)), "t1=0&max_degree=12")
+    assert (fit["status"], fit["problem"]["type"]) == ("failed", "urn:ipfit:problem:out-of-memory"), fit
+    assert server.fit(npy(ellipse()))["status"] == "successful"
+    server.stop()
+
+
+def test_old_fits_are_removed_with_their_points(start: Callable[..., Server]) -> None:
+    first = start(WORKERS=1)
+    fit = first.fit(npy(ellipse()))
+    first.stop()
+    second = start(WORKERS=1, KEEP_SECONDS=0.001)
+    until(lambda: second.client.get(f"/v1/fits/{fit['id']}").status_code == 404)
+    until(lambda: not [one for one in (second.folder / "blobs").rglob("*") if one.is_file()])
+    second.stop()
 
 
 def test_one_folder_is_for_one_server(shared: Server) -> None:

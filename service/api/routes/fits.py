@@ -32,7 +32,7 @@ _PROBLEMS: dict[int | str, dict[str, Any]] = {
     413: problem("The body, the points or the system are over a limit of this server."),
     415: problem("The body is of a media type or an encoding that is not read here."),
     422: problem("The point set cannot be fitted, or an option or a parameter has a value that is not allowed."),
-    503: problem("The server is stopping, or the work took too long."),
+    503: problem("The server is stopping, its queue is full, its store fails, or the work took too long."),
 }
 
 
@@ -59,8 +59,16 @@ _IF_NONE_MATCH = {
     "description": "The ETag of an earlier answer: 304 if nothing has changed.",
     "schema": {"type": "string"},
 }
+LONGEST_KEY = 200
+_KEY = {
+    "name": "Idempotency-Key",
+    "in": "header",
+    "description": "Any unique text. A request that is sent again with the same key gets the fit of the first; with "
+    "the same key and another point set or other options, 422.",
+    "schema": {"type": "string", "maxLength": LONGEST_KEY},
+}
 _BODY = {
-    "parameters": [_PREFER],
+    "parameters": [_PREFER, _KEY],
     "requestBody": {
         "required": True,
         "description": "JSON, or an npy file of N rows: 2 or 3 columns are points, 4 or 6 points and outward normals.",
@@ -96,13 +104,13 @@ async def create(request: Request, here: Here, query: Annotated[FitQuery, Query(
     options = _checked(points.options).model_dump(exclude_unset=True) | asked
     options = here.limits.checked(points, options)
     wanted = negotiation.file_kind(request, points.dimension) if negotiation.wants_file(request) else None
-    fit = await here.desk.accept(points, options)
+    fit = await here.desk.accept(points, options, _client(request), _key(request))
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, here.limits.wait)
     fit = await here.desk.get(fit.id, seconds)
     headers = {"Location": f"/v1/fits/{fit.id}", **preferences.applied(seconds)}
     if not fit.status.final:
-        return fit_response(request, fit, here.desk.progress(fit), HTTPStatus.ACCEPTED, headers)
+        return fit_response(request, fit, await here.desk.progress(fit), HTTPStatus.ACCEPTED, headers)
     if wanted is not None:
         return await _file(here, fit.id, wanted, Drawing(wanted.name), headers)
     return fit_response(request, fit, [], headers=headers)
@@ -119,7 +127,7 @@ async def read(request: Request, here: Here, fit_id: FitId) -> Response:
     preferences = Preferences.of(request)
     seconds = preferences.seconds(0.0, here.limits.wait)
     fit = await here.desk.get(fit_id, seconds)
-    return fit_response(request, fit, here.desk.progress(fit), headers=preferences.applied(seconds))
+    return fit_response(request, fit, await here.desk.progress(fit), headers=preferences.applied(seconds))
 
 
 @router.get(
@@ -186,6 +194,26 @@ async def _file(
     content = await here.desk.draw(fit_id, drawing)
     named = {"Content-Disposition": f'inline; filename="{fit_id}.{kind.name}"', "Vary": "Accept", **(headers or {})}
     return Response(content, headers=named, media_type=kind.media_types[0])
+
+
+def _client(request: Request) -> str:
+    """Return who asks, as far as is known: the address that the connection comes from."""
+    return request.client.host if request.client is not None else ""
+
+
+def _key(request: Request) -> str | None:
+    """Return the idempotency key.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is empty or too long.
+
+    """
+    key = request.headers.get("idempotency-key")
+    if key is not None and not 0 < len(key) <= LONGEST_KEY:
+        raise InvalidInputError(f"an Idempotency-Key has 1 to {LONGEST_KEY} characters")
+    return key
 
 
 def _checked(options: dict[str, Any]) -> FitOptions:

@@ -1,0 +1,139 @@
+"""Callers that do what a careful caller should, and write down what they were promised."""
+
+import random
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from threading import Event, Lock
+from typing import Any
+from uuid import uuid4
+
+import httpx
+
+from tests.service.bodies import ellipse, npy, sphere, torus
+
+# What is sent: content, query, and how often. The first two take some hundredths of a second, the last two or three.
+FITS = (
+    (npy(ellipse()), "", 55),
+    (npy(sphere()), "", 30),
+    (npy(torus(3000)), "t1=0&max_degree=8", 11),
+    (npy(torus(20_000)), "t1=0&max_degree=8", 4),
+)
+FINAL = ("successful", "failed", "dismissed")
+# Share of fits that are dismissed again.
+DISMISSED = 0.05
+# Why a server may say 503. `worker-crashed`: two processes were killed while they read the same body.
+PASSING = {"not-ready", "queue-full", "shutting-down", "worker-crashed"}
+# Seconds that a request may take: more than the longest wait that is asked for.
+PATIENCE = 40.0
+
+
+@dataclass
+class Promise:
+    """What the server said of one fit.
+
+    Attributes
+    ----------
+    kind
+        Which of FITS it is.
+    key
+        Its idempotency key.
+    fit
+        The id it got when it was accepted.
+    deleted
+        Whether DELETE was tried.
+    seen
+        How it had ended when it was first seen to have.
+
+    """
+
+    kind: int
+    key: str
+    fit: str
+    deleted: bool = False
+    seen: dict[str, Any] | None = None
+
+
+@dataclass
+class Log:
+    """What all clients were told."""
+
+    promises: list[Promise] = field(default_factory=list)
+    answers: Counter[str] = field(default_factory=Counter)
+    unexplained: list[str] = field(default_factory=list)
+    lock: Lock = field(default_factory=Lock)
+
+    def note(self, answer: str) -> None:
+        """Count an answer."""
+        with self.lock:
+            self.answers[answer] += 1
+
+
+class Caller:
+    """One client: sends fits, some of them to wait for, and dismisses a few."""
+
+    def __init__(self, number: int, ports: list[int], log: Log, seed: int) -> None:
+        self._ports, self._log = ports, log
+        self._chance = random.Random(seed * 1000 + number)  # noqa: S311 - no secret
+        self._client = httpx.Client(timeout=PATIENCE)
+
+    def work(self, enough: Event) -> None:
+        """Send fits until there are enough."""
+        while not enough.is_set():
+            kind = self._chance.choices(range(len(FITS)), [share for _, _, share in FITS])[0]
+            promise = self._send(kind, enough)
+            if promise is not None and self._chance.random() < DISMISSED:
+                self._dismiss(promise)
+
+    def _send(self, kind: int, enough: Event) -> Promise | None:
+        """Send one fit, again with the same key until it is accepted."""
+        content, query, _ = FITS[kind]
+        key = uuid4().hex
+        prefer = self._chance.choice(("respond-async", "respond-async", "wait=2", "wait=20"))
+        headers = {"Content-Type": "application/x-npy", "Prefer": prefer, "Idempotency-Key": key}
+        sent = False
+        while sent or not enough.is_set():  # what was sent once may have been stored: it is sent until that is known
+            sent = True
+            answer = self.ask("POST", f"/v1/fits?{query}", content=content, headers=headers)
+            if answer is not None and answer.status_code in (200, 202):
+                fit = answer.json()
+                promise = Promise(kind, key, fit["id"], seen=fit if fit["status"] in FINAL else None)
+                with self._log.lock:
+                    self._log.promises.append(promise)
+                return promise
+            full = answer is not None and "queue-full" in answer.text
+            time.sleep(self._chance.uniform(0.5, 1.5) if full else self._chance.uniform(0.05, 0.3))
+        return None
+
+    def _dismiss(self, promise: Promise) -> None:
+        time.sleep(self._chance.uniform(0.0, 1.0))
+        promise.deleted = True
+        for _ in range(100):
+            answer = self.ask("DELETE", f"/v1/fits/{promise.fit}")
+            if answer is not None and answer.status_code in (200, 204, 404):
+                return
+            time.sleep(0.2)
+
+    def ask(self, method: str, path: str, **more: Any) -> httpx.Response | None:  # noqa: ANN401 - httpx's
+        """Ask any server; None if it is not there. Whatever else cannot be explained is written down."""
+        try:
+            answer = self._client.request(method, f"http://127.0.0.1:{self._chance.choice(self._ports)}{path}", **more)
+        except httpx.TransportError as error:
+            self._log.note(f"{method}: no answer ({type(error).__name__})")
+            if isinstance(error, httpx.TimeoutException):
+                self._log.unexplained.append(f"{method} {path}: {error!r}")
+            return None
+        problem = answer.json().get("type", "").rpartition(":")[2] if answer.status_code >= 400 else ""  # noqa: PLR2004 - HTTP
+        self._log.note(f"{method}: {answer.status_code} {problem}".rstrip())
+        if not _explained(method, answer, problem):
+            self._log.unexplained.append(f"{method} {path}: {answer.status_code} {answer.text[:300]}")
+        return answer
+
+
+def _explained(method: str, answer: httpx.Response, problem: str) -> bool:
+    """Return whether this is an answer that the contract allows while processes die."""
+    if answer.status_code == httpx.codes.SERVICE_UNAVAILABLE:
+        return problem in PASSING and "retry-after" in answer.headers
+    if answer.status_code == httpx.codes.NOT_FOUND:
+        return method in {"DELETE", "GET"}  # those it must not be said of are found as lost
+    return answer.is_success

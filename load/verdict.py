@@ -1,0 +1,145 @@
+"""Every promise, held against what the store did and against what the servers say in the end."""
+
+import sqlite3
+import time
+from collections import Counter
+from collections.abc import Callable
+from contextlib import closing
+from typing import Any
+
+import httpx
+import psycopg
+
+from load.clients import FINAL, Caller, Log, Promise
+from load.fleet import Fleet
+from service.jobs.fit import MAX_ABANDONED, MAX_CRASHES, MOVES, FitStatus
+
+# The store itself writes down every move, in the transaction that makes it.
+SQLITE = """
+CREATE TABLE audit (fit TEXT, old TEXT, new TEXT);
+CREATE TRIGGER audit AFTER UPDATE OF status ON fits WHEN OLD.status <> NEW.status
+BEGIN INSERT INTO audit VALUES (OLD.id, OLD.status, NEW.status); END;
+"""
+POSTGRESQL = """
+CREATE TABLE audit (fit TEXT, old TEXT, new TEXT);
+CREATE FUNCTION audit() RETURNS trigger LANGUAGE plpgsql AS
+'BEGIN INSERT INTO audit VALUES (OLD.id, OLD.status, NEW.status); RETURN NEW; END';
+CREATE TRIGGER audit AFTER UPDATE OF status ON fits FOR EACH ROW WHEN (OLD.status <> NEW.status)
+EXECUTE FUNCTION audit();
+"""
+# Why a fit may fail here, in the service's words.
+CRASHED = f"The worker process died {MAX_CRASHES} times."
+LEFT = f"The process that supervised the fit died {MAX_ABANDONED} times."
+# Seconds after the last strike within which every fit must have ended.
+QUIET = 240.0
+
+
+def install_audit(fleet: Fleet) -> None:
+    """Have the store write down its moves."""
+    if fleet.database is not None:
+        with psycopg.connect(fleet.database, autocommit=True) as connection:
+            connection.execute(POSTGRESQL)
+        return
+    with closing(sqlite3.connect(fleet.folder / "data" / "fits.sqlite")) as connection:
+        connection.executescript(SQLITE)
+
+
+def rows(fleet: Fleet, query: str) -> list[tuple[Any, ...]]:
+    """Return what a query finds in the store."""
+    if fleet.database is not None:
+        with psycopg.connect(fleet.database) as connection:
+            return connection.execute(query.encode()).fetchall()
+    with closing(sqlite3.connect(fleet.folder / "data" / "fits.sqlite")) as connection:
+        return connection.execute(query).fetchall()
+
+
+class Verdict:
+    """What became of every accepted fit."""
+
+    def __init__(self, fleet: Fleet, log: Log, reference: list[dict[str, Any]]) -> None:
+        self._fleet, self._log, self._reference = fleet, log, reference
+        self._asker = Caller(0, fleet.ports, log, 0)
+        self._moves: list[tuple[Any, ...]] = []
+        self.ends: Counter[str] = Counter()
+        self.lost: list[str] = []
+        self.twice: list[str] = []
+        self.stuck: list[str] = []
+        self.wrong: list[str] = []
+
+    def reach(self) -> None:
+        """Wait for the last fits and look at every one."""
+        end = time.monotonic() + QUIET
+        finals = [(promise, self._final(promise, end)) for promise in self._log.promises]
+        self._moves = rows(self._fleet, "SELECT fit, old, new FROM audit")
+        for promise, fit in finals:
+            self._judge(promise, fit)
+        self._judge_moves()
+        self._judge_keys()
+
+    def _judge(self, promise: Promise, fit: dict[str, Any] | None) -> None:
+        if fit is None:
+            if promise.deleted:
+                self.ends["removed"] += 1
+            else:
+                self.lost.append(promise.fit)
+            return
+        if fit["status"] not in FINAL:
+            self.stuck.append(f"{promise.fit} is {fit['status']}")
+            return
+        failed = fit["status"] == "failed"
+        self.ends[f"failed ({fit['problem']['detail']})" if failed else fit["status"]] += 1
+        if failed:
+            self._explain(promise, fit["problem"])
+        if promise.seen is not None and promise.seen != fit:
+            self.twice.append(f"{promise.fit} was {promise.seen['status']}, {promise.seen['finished']}, then another")
+        if fit["status"] == "successful" and fit["polynomial"] != self._reference[promise.kind]["polynomial"]:
+            self.wrong.append(f"{promise.fit}: another polynomial than from the same points in peace")
+        if fit["status"] == "dismissed" and not promise.deleted:
+            self.wrong.append(f"{promise.fit}: dismissed, and nobody asked for it")
+
+    def _explain(self, promise: Promise, problem: dict[str, Any]) -> None:
+        """Accept that a fit failed if its processes were killed as often as it takes, and for no other reason."""
+        starts = sum(new == "running" for fit, _, new in self._moves if fit == promise.fit)
+        enough = MAX_CRASHES if problem["detail"] == CRASHED else MAX_ABANDONED if problem["detail"] == LEFT else None
+        if enough is None or starts < enough:
+            self._log.unexplained.append(f"{promise.fit} failed after {starts} starts: {problem}")
+
+    def _final(self, promise: Promise, end: float) -> dict[str, Any] | None:
+        """Return the fit when it has ended or time is up; None if there is none."""
+        while True:
+            answer = self._asker.ask("GET", f"/v1/fits/{promise.fit}", headers={"Prefer": "wait=10"})
+            if answer is not None and answer.status_code == httpx.codes.NOT_FOUND:
+                return None
+            fit: dict[str, Any] = answer.json() if answer is not None and answer.is_success else {"status": "unknown"}
+            if fit["status"] in FINAL or time.monotonic() > end:
+                return fit
+            time.sleep(0.2)
+
+    def _judge_moves(self) -> None:
+        """Every move that the store made is legal, and no fit made two that are final."""
+        final: Counter[str] = Counter()
+        for fit, old, new in self._moves:
+            if FitStatus(new) not in MOVES[FitStatus(old)]:
+                self.wrong.append(f"{fit} went from {old} to {new}")
+            final[fit] += new in FINAL
+        self.twice += [f"{fit} ended {count} times" for fit, count in final.items() if count > 1]
+
+    def _judge_keys(self) -> None:
+        """There is one fit for each key, and none that nobody was told of."""
+        told = {promise.key: promise.fit for promise in self._log.promises}
+        kept = dict(rows(self._fleet, "SELECT key, id FROM fits WHERE key IS NOT NULL"))
+        self.wrong += [f"{fit} is stored, and nobody was told" for key, fit in kept.items() if told.get(key) != fit]
+        if len(told) != len(self._log.promises) or len(set(told.values())) != len(told):
+            self.wrong.append("two promises have one key or one fit")
+
+
+def in_peace(ask: Callable[..., httpx.Response | None], kinds: list[tuple[bytes, str]]) -> list[dict[str, Any]]:
+    """Return each kind of fit as it comes out when nothing is killed."""
+    found = []
+    for content, query in kinds:
+        headers = {"Content-Type": "application/x-npy", "Prefer": "wait=30"}
+        answer = ask("POST", f"/v1/fits?{query}", content=content, headers=headers)
+        if answer is None or answer.json().get("status") != "successful":
+            raise RuntimeError(f"a fit does not succeed in peace: {answer and answer.text[:500]}")
+        found.append(answer.json())
+    return found

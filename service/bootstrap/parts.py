@@ -1,0 +1,69 @@
+"""Parts that an embedded server and a cluster have alike."""
+
+import asyncio
+import os
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from uuid import uuid4
+
+from service.api.limits import Limits
+from service.formats.drawing import DrawingRoom
+from service.formats.intake import Intake
+from service.jobs.desk import FitDesk
+from service.jobs.fit import MAX_CRASHES, Holder
+from service.jobs.ports import BlobStore, FitQueue, FitStore
+from service.jobs.retention import Retention
+from service.queue.runner import Runner
+from service.settings import Settings
+from service.workers import tasks
+from service.workers.pool import WorkerPool
+
+
+@asynccontextmanager
+async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
+    """Yield a pool whose workers are warm."""
+    made = WorkerPool(size, settings.tasks_per_worker, settings.worker_memory, tries)
+    try:
+        await made.warm_up()
+        yield made
+    finally:
+        await asyncio.to_thread(made.close)
+
+
+@asynccontextmanager
+async def fitters(settings: Settings) -> AsyncIterator[WorkerPool]:
+    """Yield the workers that fit: a seat for each fit that may run at once."""
+    async with pool(settings, settings.workers + settings.short_workers) as made:
+        yield made
+
+
+def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: WorkerPool, *, publish: bool) -> Runner:
+    """Return what runs fits in these workers."""
+    name = f"{socket.gethostname()}-{os.getpid()}-{uuid4().hex[:8]}"
+    holder = Holder(name, settings.lease)
+    return Runner(store, blobs, workers, tasks.fit, holder=holder, deadline=settings.fit_deadline, publish=publish)
+
+
+@asynccontextmanager
+async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue) -> AsyncIterator[FitDesk]:
+    """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
+    async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
+        reader = Intake(clerks, settings.max_points, settings.mesh_deadline)
+        yield FitDesk(store, blobs, queue, reader, DrawingRoom(clerks, settings.mesh_deadline))
+
+
+def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:
+    """Return what removes old fits."""
+    return Retention(store, blobs, settings.keep_seconds, settings.keep_bytes)
+
+
+def limits(settings: Settings) -> Limits:
+    """Return what one request may ask for."""
+    return Limits(
+        body_bytes=settings.max_body_bytes,
+        max_degree={2: settings.max_degree_2d, 3: settings.max_degree_3d},
+        resolution={2: settings.max_resolution_2d, 3: settings.max_resolution_3d},
+        system_bytes=settings.max_system_bytes,
+        wait=settings.max_wait,
+    )

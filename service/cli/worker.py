@@ -1,0 +1,17 @@
+"""`ipfit worker`: run fits for the servers that share a database."""
+
+import asyncio
+
+import typer
+
+from service.bootstrap import work
+from service.cli.server import chosen_settings
+
+
+def worker() -> None:
+    """Run the fits that servers put in the database at IPFIT_DATABASE_URL; on SIGTERM, end what runs and leave."""
+    settings = chosen_settings()
+    if settings.database_url is None:
+        typer.echo("IPFIT_DATABASE_URL is not set: workers need the database of the servers", err=True)
+        raise typer.Exit(2)
+    asyncio.run(work(settings))

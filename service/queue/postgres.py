@@ -1,0 +1,52 @@
+"""The line of fits in PostgreSQL: Procrastinate's jobs, changed in the transactions that change the fits."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from procrastinate import App, SyncPsycopgConnector
+from procrastinate.schema import SchemaManager
+from sqlalchemy import Connection, text
+
+from service.jobs.cost import SHORT
+
+TASK = "fit"
+SHORT_QUEUE, LONG_QUEUE = "short", "long"
+# Where the ids of fits that have ended are told (PostgreSQL's NOTIFY).
+ENDED = "ipfit_ended"
+
+
+class PostgresLine:
+    """Puts fits in Procrastinate's queues and takes them out, on the connection of whoever stores the change."""
+
+    def __init__(self) -> None:
+        """Need no connection of its own."""
+        self._app = App(connector=SyncPsycopgConnector())
+
+    def join(self, connection: Connection, fit_id: str, cost: float) -> int:
+        """Put a fit in line and return its job there."""
+        queue = SHORT_QUEUE if cost <= SHORT else LONG_QUEUE
+        deferrer = self._app.configure_task(TASK, queue=queue, connection=_raw(connection))
+        return deferrer.defer(fit_id=fit_id)
+
+    def leave(self, connection: Connection, job: int) -> None:
+        """Take a job out of the line; if it runs, its worker is told to abort it."""
+        self._app.job_manager.cancel_job_by_id(job, abort=True, connection=_raw(connection))
+
+    def tell(self, connection: Connection, fit_id: str) -> None:
+        """Tell everybody that a fit has ended."""
+        connection.execute(text("SELECT pg_notify(:channel, :fit)"), {"channel": ENDED, "fit": fit_id})
+
+    def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
+        """Return those of the jobs that nobody has taken yet."""
+        query = text("SELECT id FROM procrastinate_jobs WHERE id = ANY(:jobs) AND status = 'todo'")
+        return set(connection.execute(query, {"jobs": list(jobs)}).scalars())
+
+
+def schema() -> str:
+    """Return the SQL that makes Procrastinate's tables."""
+    return SchemaManager.get_schema()
+
+
+def _raw(connection: Connection) -> Any:  # noqa: ANN401 - psycopg's, which Procrastinate takes as Any
+    """Return the driver's connection under SQLAlchemy's, in the same transaction."""
+    return connection.connection.driver_connection

@@ -1,0 +1,144 @@
+"""The table of fits, on SQLite and on PostgreSQL alike."""
+
+import sqlite3
+from datetime import UTC, datetime
+from pathlib import Path
+
+from sqlalchemy import (
+    BigInteger,
+    Column,
+    DateTime,
+    Dialect,
+    Engine,
+    Float,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    create_engine,
+    event,
+    text,
+)
+from sqlalchemy.types import TypeDecorator
+
+from service.jobs.fit import FitStatus
+
+# A PostgreSQL that does not answer must not hold a request for minutes: seconds to connect, milliseconds for a
+# statement, and milliseconds until unanswered packets end a connection.
+PATIENCE = {
+    "connect_timeout": 5,
+    "tcp_user_timeout": 10_000,
+    "keepalives_idle": 5,
+    "keepalives_interval": 2,
+}
+OPTIONS = "-c statement_timeout=30000 -c idle_in_transaction_session_timeout=30000 -c synchronous_commit=on"
+# Any number, the same in every process: whoever holds this lock prepares the database.
+_PREPARING = 4_711_001
+
+
+class Moment(TypeDecorator[datetime]):
+    """A point in time with its zone; SQLite, which knows none, keeps it in UTC."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Return what the database takes."""
+        if value is None or dialect.name != "sqlite":
+            return value
+        return value.astimezone(UTC).replace(tzinfo=None)
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:  # noqa: ARG002 - theirs
+        """Return what the database gave, in UTC."""
+        if value is None:
+            return None
+        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
+
+
+class Status(TypeDecorator[FitStatus]):
+    """Where a fit is in its life, kept as its word."""
+
+    impl = String
+    cache_ok = True
+
+    def process_bind_param(self, value: FitStatus | None, dialect: Dialect) -> str | None:  # noqa: ARG002 - theirs
+        """Return what the database takes."""
+        return None if value is None else value.value
+
+    def process_result_value(self, value: str | None, dialect: Dialect) -> FitStatus | None:  # noqa: ARG002 - theirs
+        """Return what the database gave."""
+        return None if value is None else FitStatus(value)
+
+
+metadata = MetaData()
+fits = Table(
+    "fits",
+    metadata,
+    Column("id", String, primary_key=True),
+    Column("status", Status, nullable=False, index=True),
+    Column("input", String, nullable=False, index=True),
+    Column("dimension", Integer, nullable=False),
+    Column("points", Integer, nullable=False),
+    Column("options", LargeBinary, nullable=False),
+    Column("client", String, nullable=False),
+    Column("cost", Float, nullable=False),
+    Column("key", String, unique=True),  # any number of fits have none
+    Column("payload", String, nullable=False),
+    Column("created", Moment, nullable=False, index=True),
+    Column("started", Moment),
+    Column("finished", Moment, index=True),
+    Column("touched", Moment, nullable=False),  # when its status last changed
+    Column("holder", String),
+    Column("lease", Moment),  # until when the holder is believed without another word from it
+    Column("attempt", Integer, nullable=False, default=0),
+    Column("crashes", Integer, nullable=False, default=0),
+    Column("abandoned", Integer, nullable=False, default=0),
+    Column("size", BigInteger, nullable=False),  # bytes of input and result
+    Column("job", BigInteger, index=True),  # of the queue in the same database, if there is one
+    Column("progress", LargeBinary),
+    Column("result", LargeBinary),
+    Column("failure", LargeBinary),
+)
+
+
+def sqlite_engine(path: Path) -> Engine:
+    """Return an engine on a SQLite file in WAL mode that flushes every commit to disk, and make its tables."""
+    engine = create_engine(f"sqlite:///{path}")
+
+    @event.listens_for(engine, "connect")
+    def _durable(connection: sqlite3.Connection, _record: object) -> None:
+        cursor = connection.cursor()
+        for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=10000"):
+            cursor.execute(f"PRAGMA {pragma}")
+        cursor.close()
+
+    metadata.create_all(engine)
+    return engine
+
+
+def postgres_engine(url: str, queue_schema: str) -> Engine:
+    """Return an engine on a PostgreSQL database, and make its tables, and those of its queue, if they are not there.
+
+    Parameters
+    ----------
+    url
+        `postgresql://…`.
+    queue_schema
+        SQL that makes the tables of the queue.
+
+    """
+    engine = create_engine(
+        "postgresql+psycopg://" + url.partition("://")[2],
+        connect_args={**PATIENCE, "options": OPTIONS},
+        pool_pre_ping=True,
+        pool_timeout=10,
+        pool_size=10,
+        max_overflow=10,
+    )
+    with engine.begin() as connection:
+        connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _PREPARING})
+        metadata.create_all(connection)
+        if connection.execute(text("SELECT to_regclass('procrastinate_jobs')")).scalar() is None:
+            connection.exec_driver_sql(queue_schema.replace("%", "%%"))
+    return engine
