@@ -27,7 +27,7 @@ STEEP = 0.5
 UNSURE = 0.12
 # Nearer than this to the data, in mean radii and in local spacings, no side is told: the curve or surface between the
 # points is not known that well, and the winding number of single points is not either. Of 0.02 and 0.04 mean radii the
-# first keeps thin parts whole (tuned on the outlines at even places of the list).
+# first keeps thin parts whole (the outlines of bench/QUALITY.md).
 NEAR_RADII = 0.02
 NEAR_SPACINGS = {2: 0.7, 3: 1.0}
 ISOLATED = 3.0  # median spacings: what is farther from its neighbours is no surface, when outliers are expected
