@@ -193,7 +193,8 @@ class ImplicitPolynomial:
 
     def _changed(self, change: Callable[[int, float, float], ExtendedArray], basis: Basis) -> Self:
         """Return the polynomial in the other basis: t = slope·u + offset takes the frame to the box of T_k(t)."""
-        middle, half = (self.bounds[0] + self.bounds[1]) / 2.0, (self.bounds[1] - self.bounds[0]) / 2.0
+        lower, upper = self.bounds
+        middle, half = (lower + upper) / 2.0, (upper - lower) / 2.0
         slopes, offsets = self.frame.scale / half, (self.frame.centre - middle) / half
         matrices = [change(self.degree, *line) for line in zip(slopes, offsets, strict=True)]
         tensor = contraction.along_axes(self.tensor.astype(np.longdouble), matrices)
