@@ -14,16 +14,20 @@ from evidence.table import table
 from sets import PointSet
 
 SIGMAS = (0.0, 0.01, 0.02, 0.04)
-RAISED = "distance, t1 = σ"
-CRITERIA = ("distance", RAISED, "gcv", "bic", "loo", "none")
+RAISED, QUIET = "distance, t1 = σ", "geometric, t1 = σ"
+CRITERIA = ("distance", RAISED, "gcv", "bic", "loo", "none", QUIET)
 COLOURS = dict(
-    zip((*CRITERIA, "best"), ("#1f5fa8", "#7fb2e5", "#e4572e", "#3a9d5d", "#8e5ea2", "0.6", "k"), strict=True)
+    zip(
+        (*CRITERIA, "best"), ("#1f5fa8", "#7fb2e5", "#e4572e", "#3a9d5d", "#8e5ea2", "0.6", "#d4a017", "k"), strict=True
+    )
 )
 
 
 def options(criterion: str, sigma: float) -> dict[str, Any]:
     """Return the options that a row of the table stands for."""
-    return {"t1": max(sigma, 0.01)} if criterion == RAISED else {"criterion": criterion}
+    if criterion in {RAISED, QUIET}:
+        return {"t1": max(sigma, 0.01), "geometric": criterion == QUIET}
+    return {"criterion": criterion}
 
 
 class Noise:
