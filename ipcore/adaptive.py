@@ -11,10 +11,11 @@ from ipcore import points as pointset
 from ipcore.choices import Constraints, Criterion, Granularity, chosen
 from ipcore.errors import InvalidOptionsError
 from ipcore.judges import Judge, LastJudge, judge
-from ipcore.linear import PrefixFit, prefix_fit
+from ipcore.linear import prefix_fit
 from ipcore.options import HIGHEST_DEGREE, FitOptions
 from ipcore.oriented import OrientedPoints, sha256
 from ipcore.points import PointSet
+from ipcore.prefix import PrefixFit
 from ipcore.quiet import QuietFit
 from ipcore.ranges import integer
 from ipcore.report import diagnose
@@ -123,8 +124,7 @@ def _searched(
     """Orient the points, search over these stops, and report."""
     data = OrientedPoints.of(given, options.neighbours)
     top = monomials.degree_of(data.points.shape[1], alphas[-1])
-    linear = options.is_linear or given.planar
-    how: PrefixFit = prefix_fit(data, options, top) if linear else QuietFit(data, options, top)
+    how = _way(data, options, top)
     search = DegreeSearch(data, options, how, by)
     found = search.run(alphas, progress)
     loss = how.orthogonality_loss(found.step.columns)
@@ -139,3 +139,9 @@ def _searched(
         version("ipfit"),
         sha256(given),
     )
+
+
+def _way(data: OrientedPoints, options: FitOptions, top: int) -> PrefixFit:
+    """Return the way to fit that the options ask for, up to the degree `top`."""
+    linear = options.is_linear or data.planar
+    return prefix_fit(data, options, top) if linear else QuietFit(data, options, top)

@@ -1,7 +1,6 @@
 """Linear fits with one prefix of columns after another, each reusing the factorisation of the one before (Fig. 2)."""
 
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,64 +15,8 @@ from ipcore.factor.interface import Factorisation, Policy
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
+from ipcore.prefix import Fitted, PrefixFit
 from ipcore.system import System, working_basis
-
-
-@dataclass(frozen=True, eq=False)
-class LinearStep:
-    """The fit with the first α columns.
-
-    Attributes
-    ----------
-    polynomial
-        In the normalised frame and the basis the fit works in; 0 where a column was dropped or is still to come.
-    rows, columns, dropped, ridged
-        The system's size: equations, coefficients in use, coefficients left out, coefficients damped.
-    freedom
-        Degrees of freedom.
-    rss
-        Residual sum of squares.
-    condition, diagonal_ratio
-        Estimated condition of R with columns scaled to length 1, and the paper's measure of it.
-    loo
-        Mean squared error at points left out; None unless asked for.
-    iterations
-        Steps of the nonlinear fit.
-    quiet
-        Whether a survey found the zero set by the data and nowhere else; None if it was not looked at.
-    unsure
-        Share of the box, without what is near the data, where signs could not be told; None if none were asked for.
-    weights
-        (N,), what each point counts, if not all the same.
-
-    """
-
-    polynomial: ImplicitPolynomial
-    rows: int
-    columns: int
-    dropped: int
-    ridged: int
-    freedom: float
-    rss: float
-    condition: float
-    diagonal_ratio: float
-    loo: float | None
-    iterations: int = 0
-    quiet: bool | None = None
-    unsure: float | None = None
-    weights: FloatArray | None = None
-
-
-class PrefixFit(Protocol):
-    """How the polynomial of so many columns is found: what `DegreeSearch` searches with."""
-
-    def raise_to(self, alpha: int) -> LinearStep:
-        """Return the fit with the first α columns, more than the last time."""
-        ...
-
-    def orthogonality_loss(self, columns: int) -> float | None:
-        """Return ‖QᵀQ − I‖₂ of the first columns that were kept; None where it is rounding by construction."""
-        ...
 
 
 def prefix_fit(data: OrientedPoints, options: FitOptions, max_degree: int) -> PrefixFit:
@@ -99,7 +42,7 @@ class LeastSquaresFit:
         groups = len(self._rows.groups)
         self._leverage = Leverage(groups, len(data.points)) if options.criterion is Criterion.LOO else None
 
-    def raise_to(self, alpha: int) -> LinearStep:
+    def raise_to(self, alpha: int) -> Fitted:
         """Append the columns that are still missing, a whole form at a time, and solve."""
         degree = monomials.degree_of(self._data.points.shape[1], alpha)
         self._append(alpha)
@@ -126,9 +69,9 @@ class LeastSquaresFit:
             self._factor.append(self._system.columns(start, stop), damping)
             start = stop
 
-    def _step(self, polynomial: ImplicitPolynomial, rows: int, rss: float) -> LinearStep:
+    def _step(self, polynomial: ImplicitPolynomial, rows: int, rss: float) -> Fitted:
         factor, columns = self._factor, int(np.count_nonzero(self._factor.kept))
-        return LinearStep(
+        return Fitted(
             polynomial,
             rows,
             columns,
@@ -156,7 +99,7 @@ class TaubinFit(LeastSquaresFit):
     on the data is found to rounding; what vanishes in both, as the square of such a polynomial, is a collinear column.
     """
 
-    def raise_to(self, alpha: int) -> LinearStep:
+    def raise_to(self, alpha: int) -> Fitted:
         """Append the columns that are still missing, and take the smallest singular vector.
 
         f is scaled to mean ‖∇f‖² = 1, so that it is about a distance, and grows along the normals.

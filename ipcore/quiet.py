@@ -16,9 +16,9 @@ from ipcore.criteria import StoppingRule
 from ipcore.damping import Refined, condition, refine
 from ipcore.geometric import DataTables, Objective
 from ipcore.inspection import Inspection
-from ipcore.linear import LinearStep
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
+from ipcore.prefix import Fitted
 from ipcore.sides import Sides, crowded
 from ipcore.signs import SignConstraints, SignNodes
 
@@ -78,7 +78,7 @@ class QuietFit:
         self._prefix, self._reached = np.zeros(0), 0
         self._iterations = 0
 
-    def raise_to(self, alpha: int) -> LinearStep:
+    def raise_to(self, alpha: int) -> Fitted:
         """Fit at the complete degree with α columns."""
         degree, self._iterations = monomials.degree_of(self._data.points.shape[1], alpha), 0
         for lower in range(self._reached + 1, degree):
@@ -188,12 +188,12 @@ class QuietFit:
         limit = OUTLYING * max(self._options.t1, float(np.median(distance)))
         self._weights = np.where(distance <= limit, 1.0, 0.0)
 
-    def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> LinearStep:  # noqa: FBT001 - see LinearStep
+    def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> Fitted:  # noqa: FBT001 - see Fitted
         polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
         H = objective.normal_equations(objective.look(fit.coefficients))[0]
         conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)
-        return LinearStep(
+        return Fitted(
             polynomial,
             rows=len(distance),
             columns=objective.columns,

@@ -8,10 +8,10 @@ from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 from ipcore.boundedness import is_bounded
 from ipcore.criteria import Closeness
-from ipcore.linear import LinearStep
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
+from ipcore.prefix import Fitted
 from ipcore.result import Diagnostics, StopReason
 from ipcore.zero_set import zero_set
 
@@ -41,7 +41,7 @@ class Diagnosis:
 
 
 def diagnose(
-    best: LinearStep,
+    best: Fitted,
     data: OrientedPoints,
     options: FitOptions,
     reason: StopReason,

@@ -11,9 +11,9 @@ from ipcore import criteria, monomials
 from ipcore.choices import Criterion, Granularity
 from ipcore.criteria import Closeness
 from ipcore.judges import Judge
-from ipcore.linear import LinearStep, PrefixFit
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
+from ipcore.prefix import Fitted, PrefixFit
 from ipcore.result import Step, StopReason
 
 Progress = Callable[[Step], None]
@@ -23,7 +23,7 @@ Progress = Callable[[Step], None]
 class Found:
     """How a search ended: its best fit, in the normalised frame, and what was noted of it."""
 
-    fitted: LinearStep
+    fitted: Fitted
     step: Step
     reason: StopReason
 
@@ -53,7 +53,7 @@ class DegreeSearch:
     def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
         """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
         count, dimension = self._data.points.shape
-        best: tuple[float, LinearStep, Step] | None = None
+        best: tuple[float, Fitted, Step] | None = None
         reason = self._judge.exhausted
         for alpha in alphas:
             if best is not None and alpha > max(count, dimension + 1):
@@ -73,7 +73,7 @@ class DegreeSearch:
             raise ValueError("a search needs at least one stop")
         return Found(best[1], best[2], reason)
 
-    def _try(self, alpha: int) -> tuple[LinearStep, Step]:
+    def _try(self, alpha: int) -> tuple[Fitted, Step]:
         started = perf_counter()
         fitted = self._fit.raise_to(alpha)
         seen = fitted.polynomial.value_and_gradient(self._data.points)
@@ -82,7 +82,7 @@ class DegreeSearch:
         self.steps.append(step)
         return fitted, step
 
-    def _step(self, fitted: LinearStep, at: Closeness, started: float) -> Step:
+    def _step(self, fitted: Fitted, at: Closeness, started: float) -> Step:
         asked = self._options.criterion is Criterion.BIC
         return Step(
             degree=fitted.polynomial.degree,

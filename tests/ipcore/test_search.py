@@ -8,9 +8,10 @@ from ipcore import Constraints, FitOptions, StopReason, monomials, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
 from ipcore.judges import LOOK_AHEAD, judge
-from ipcore.linear import LinearStep, prefix_fit
+from ipcore.linear import prefix_fit
 from ipcore.oriented import OrientedPoints
 from ipcore.points import check as check_points
+from ipcore.prefix import Fitted
 from ipcore.search import DegreeSearch, stops
 
 QUICK = FitOptions(measure_zero_set=False)
@@ -120,7 +121,7 @@ def test_a_way_to_fit_can_be_plugged_in() -> None:
         def __init__(self) -> None:
             self._linear = prefix_fit(data, FitOptions(), 4)
 
-        def raise_to(self, alpha: int) -> LinearStep:
+        def raise_to(self, alpha: int) -> Fitted:
             step = self._linear.raise_to(alpha)
             return replace(step, polynomial=replace(step.polynomial, coefficients=step.polynomial.coefficients / 2.0))
 
