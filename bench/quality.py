@@ -1,6 +1,7 @@
-"""Make bench/QUALITY.md, how quiet fits are on real data: `IPFIT_BENCH_DATA=folder python bench/quality.py [NAME …]`.
+"""Make bench/QUALITY.md, how quiet fits are: `IPFIT_BENCH_DATA=folder python bench/quality.py [--held-back | NAME …]`.
 
-With names only those sets are fitted, and their rows printed; the page is written when all are.
+With names only those sets are fitted, and their rows printed; the page is written when all are. With --held-back only
+the shapes of bench/held_back.py are, which need no folder, and their section and the words below it are written anew.
 
 A fit is *good* when D_dist < 0.01, D_smooth > 0.95, stray < 0.001 and the zero set has one component, in the data's box
 grown by 0.3 mean radii, on a grid of 240 lines (2D) or 88 (3D) along the longest axis.
@@ -9,7 +10,7 @@ grown by 0.3 mean radii, on a grid of 240 lines (2D) or 88 (3D) along the longes
 import os
 import platform
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -19,7 +20,8 @@ from typing import Any
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before numpy is loaded: one thread, as in a worker
 
-import ipcore  # noqa: E402 - see above
+import held_back  # noqa: E402 - see above
+import ipcore  # noqa: E402
 import sets  # noqa: E402
 from evidence import plot  # noqa: E402
 from evidence.table import table  # noqa: E402
@@ -33,10 +35,14 @@ WAYS: dict[str, dict[str, Any]] = {
     "3L, selective ridge": {"geometric": False, "ridge": "selective", "collinear_tol": 1e-3, "ridge_strength": 1e-3},
     "default": {},
 }
+HELD_BACK_WAYS = ("3L", "default")
 PICTURED = (
     *("mp7_heart", "mp7_bone", "mp7_apple", "mp7_bird", "nsfish_mid", "horse", "mp7_fish", "coast_madagascar"),
     *("bunny_npm", "spot", "duck_pybullet", "hand_od"),
 )
+
+HEADS = ("set", "fit", "degree", "D_dist", "D_smooth", "stray", "components", "seconds", "")
+HELD_BACK, WORDS = "## Held back", HERE / "quality" / "words.md"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,84 +94,104 @@ def fitted(given: sets.PointSet, way: str) -> Scored:
     return Scored(result, seconds, 1.0 if whole.stray is None else whole.stray, whole.components)
 
 
-def rows(entries: list[dict[str, object]], scored: dict[str, dict[str, Scored]]) -> Iterator[list[str]]:
+Scores = dict[str, dict[str, Scored]]  # by set and way
+
+
+def measured(given: Sequence[sets.PointSet], ways: Sequence[str]) -> Scores:
+    """Fit sets in these ways, and print their rows."""
+    scored: Scores = {}
+    for one in given:
+        scored[one.name] = {way: fitted(one, way) for way in ways}
+        for row in rows([one], scored):
+            print(" | ".join(row), flush=True)
+    return scored
+
+
+def rows(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[list[str]]:
     """Return a table row per set and way."""
-    for entry in entries:
-        for way, one in scored[str(entry["name"])].items():
-            yield [str(entry["name"]) if way == "3L" else "", way, *one.cells()]
+    for one in given:
+        for way, fit in scored[one.name].items():
+            yield [one.name if way == "3L" else "", way, *fit.cells()]
 
 
-def summary(entries: list[dict[str, object]], scored: dict[str, dict[str, Scored]]) -> list[str]:
-    """Return one line of counts and medians per way."""
-    for_closed = [scored[str(entry["name"])] for entry in entries if entry["closed"]]
-    lines = []
-    for way in WAYS:
+def summary(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[str]:
+    """Return one line of counts and medians per way, and one of degrees."""
+    for_closed = [scored[one.name] for one in given if one.closed]
+    for way in for_closed[0]:
         good = sum(one[way].good for one in for_closed)
         times = [
             median([one[way].seconds for one in for_closed if one[way].result.polynomial.dimension == d] or [0.0])
             for d in (2, 3)
         ]
         where = f"{good} of {len(for_closed)} closed shapes good"
-        lines.append(f"- {way}: {where}; median {times[0]:.2f} s (2D), {times[1]:.1f} s (3D)")
+        yield f"- {way}: {where}; median {times[0]:.2f} s (2D), {times[1]:.1f} s (3D)"
 
     both = [one for one in for_closed if one["3L"].result.stop_reason is ipcore.StopReason.CRITERION_MET]
     if both:
         quotients = [one["default"].result.degree / one["3L"].result.degree for one in both]
-        lines.append(
+        yield (
             f"- degree over that of plain 3L, where that meets the rule ({len(both)} shapes): "
             f"median {median(quotients):.2f}, largest {max(quotients):.2f}"
         )
-    return lines
 
 
-def pictures(scored: dict[str, dict[str, Scored]], given: dict[str, sets.PointSet]) -> None:
-    """Draw the dozen, before and after."""
-    figure, axes = plot.new(6, 4, 1.9)
-    for k, name in enumerate(PICTURED):
-        for j, way in enumerate(("3L", "default")):
-            axis, one = axes[2 * k + j], scored[name][way]
-            draw = plot.outline if given[name].dimension == 2 else plot.surface
-            draw(axis, given[name], one.result.polynomial)
-            axis.set_title(f"{name}: {way}, degree {one.result.degree}")
-    (HERE / "quality").mkdir(exist_ok=True)
-    figure.savefig(HERE / "quality" / "before-and-after.png", dpi=110)
+def picture(name: str, shown: Sequence[sets.PointSet], scored: Scores) -> None:
+    """Draw sets in six rows, each as plain 3L and the default fit it."""
+    figure, axes = plot.new(6, len(shown) // 3, 1.9)
+    panels = ((given, way) for given in shown for way in ("3L", "default"))
+    for axis, (given, way) in zip(axes, panels, strict=True):
+        one = scored[given.name][way]
+        draw = plot.outline if given.dimension == 2 else plot.surface
+        draw(axis, given, one.result.polynomial)
+        axis.set_title(f"{given.name}: {way}, degree {one.result.degree}")
+    figure.savefig(HERE / "quality" / name, dpi=110)
 
 
-HEADS = ("set", "fit", "degree", "D_dist", "D_smooth", "stray", "components", "seconds", "")
+def section(title: str, given: Sequence[sets.PointSet], scored: Scores) -> str:
+    """Return a heading, the summary, and the table."""
+    return "\n\n".join([title, "\n".join(summary(given, scored)), table(HEADS, rows(given, scored))])
 
 
-def page(entries: list[dict[str, object]], scored: dict[str, dict[str, Scored]]) -> Iterator[str]:
-    """Return the page, part by part."""
-    yield "# How quiet the fits are"
-    yield (__doc__ or "").split("\n\n", 2)[2].strip()
-    yield (
+def on_real_data() -> str:
+    """Fit all sets of the index, and return the page down to their tables."""
+    given = [usable(sets.load(str(entry["name"])).sample(MOST)) for entry in sets.index()]
+    scored = measured(given, tuple(WAYS))
+    named = {one.name: one for one in given}
+    picture("before-and-after.png", [named[name] for name in PICTURED], scored)
+    made = (
         f"Made by `python bench/quality.py` with Python {platform.python_version()} on {platform.machine()}, with one "
         f"thread; sets of more than {MOST} points are sampled. Seconds are the processor's. "
         f"The linear fits end at degree {LINEAR_CAP[2]} (2D) and {LINEAR_CAP[3]} (3D). Sets without normals get "
         "estimated ones."
     )
-    yield "![Before and after](quality/before-and-after.png)"
-    for title, half in (("Even places of the index", entries[::2]), ("Odd places of the index", entries[1::2])):
-        yield f"## {title}"
-        yield "\n".join(summary(half, scored))
-        yield table(HEADS, rows(half, scored))
-    yield (HERE / "quality" / "words.md").read_text(encoding="utf-8").strip()
+    parts = ["# How quiet the fits are", (__doc__ or "").split("\n\n", 2)[2].strip(), made]
+    parts.append("![Before and after](quality/before-and-after.png)")
+    parts.append(section("## Even places of the index", given[::2], scored))
+    parts.append(section("## Odd places of the index", given[1::2], scored))
+    return "\n\n".join(parts)
+
+
+def on_held_back() -> str:
+    """Fit the shapes made here, and return the page from their section on."""
+    given = held_back.shapes()
+    scored = measured(given, HELD_BACK_WAYS)
+    picture("held-back.png", [one for one in given if one.dimension == 2], scored)
+    words = WORDS.read_text(encoding="utf-8").strip()
+    return "\n\n".join([section(HELD_BACK, given, scored), "![Letters held back](quality/held-back.png)", words])
 
 
 def main() -> None:
-    """Fit, print, and write the page if every set was fitted."""
-    entries = [entry for entry in sets.index() if not sys.argv[1:] or entry["name"] in sys.argv[1:]]
-    scored: dict[str, dict[str, Scored]] = {}
-    given: dict[str, sets.PointSet] = {}
-    for entry in entries:
-        name = str(entry["name"])
-        given[name] = usable(sets.load(name).sample(MOST))
-        scored[name] = {way: fitted(given[name], way) for way in WAYS}
-        for row in rows([entry], scored):
-            print(" | ".join(row), flush=True)
-    if not sys.argv[1:]:
-        pictures(scored, given)
-        (HERE / "QUALITY.md").write_text("\n\n".join(page(entries, scored)) + "\n", encoding="utf-8")
+    """Fit and print; write the page, or its end, unless only some sets were asked for."""
+    target = HERE / "QUALITY.md"
+    match sys.argv[1:]:
+        case []:
+            start = on_real_data()
+        case ["--held-back"]:
+            start = target.read_text(encoding="utf-8").partition(f"\n{HELD_BACK}\n")[0].strip()
+        case names:
+            measured([usable(sets.load(name).sample(MOST)) for name in names], tuple(WAYS))
+            return
+    target.write_text(f"{start}\n\n{on_held_back()}\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
