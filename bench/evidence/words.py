@@ -69,6 +69,7 @@ degree that is close enough, and on clean points all others go on to high degree
 and above 0.01: `distance` with t1 = σ, which saves some degrees for up to half again the least error. Noise that is
 not known: `gcv`, which comes within a sixth of the best degree from σ = 0.01 on, at no extra cost, but does not
 save degrees. `bic` and `loo` ask for fewer degrees, and pay for it in 3D; `loo` also takes time. `none` is for
-those who know the degree. The geometric fit with t1 = σ needs the lowest degrees of all for its error, and no zero
-set of it strays. Whatever the criterion, the best fit so far is returned at the cap, with the reason.""",
+those who know the degree. The geometric fit with t1 = σ needs lower degrees, is nearer the truth on noisy surfaces
+than the best linear degree, and hardly any of its zero sets strays. Whatever the criterion, the best fit so far is
+returned at the cap, with the reason.""",
 }
