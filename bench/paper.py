@@ -15,9 +15,9 @@ from time import perf_counter
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before numpy is loaded: one thread, as in a worker
 
-from matplotlib.figure import Figure  # noqa: E402 - see above
+from matplotlib.figure import Figure
 
-from evidence import adaptive, cost, families, growth, instability, noise, words  # noqa: E402 - see above
+from evidence import adaptive, cost, families, growth, instability, noise, words
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "paper"

@@ -20,11 +20,11 @@ from typing import Any
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before numpy is loaded: one thread, as in a worker
 
-import held_back  # noqa: E402 - see above
-import ipcore  # noqa: E402
-import sets  # noqa: E402
-from evidence import plot  # noqa: E402
-from evidence.table import table  # noqa: E402
+import held_back
+import ipcore
+import sets
+from evidence import plot
+from evidence.table import table
 
 HERE = Path(__file__).parent
 MOST = 8000  # points; larger sets are sampled
