@@ -28,7 +28,8 @@ class Inspection:
         tensor = contraction.to_tensor(a, self._dimension, degree)
         for survey in self._surveys:
             found = survey.look(tensor)
-            asked = demands(found, survey, self._sides) if found.suspect.any() else None
+            suspicious = found.suspect.any() or len(found.specks) > 0
+            asked = demands(found, survey, self._sides) if suspicious else None
             if asked is not None:
                 weight = np.full(len(asked.t), WEIGHT)
                 return found, SignPoints(asked.t, asked.side, asked.margin, weight)

@@ -3,7 +3,8 @@
 Nodes near a suspect that have the wrong sign, or barely the right one, are asked for the right one. A minor region is
 either wrong as a whole, or right but cut off where a part of the shape (or of the space beside it) is thinner than the
 sides can tell; then the shortest way to the main region of its sign is asked for that sign. If that way leads through
-places that are surely on the other side, it is a part of its own, and nothing is wrong. What is too small to tell goes.
+places that are surely on the other side, it is a part of its own, and nothing is wrong. What is too small to tell goes,
+and so do specks.
 """
 
 from dataclasses import dataclass
@@ -38,7 +39,7 @@ def demands(found: Findings, survey: Survey, sides: Sides) -> Demands | None:
     located = sides.at(survey.local(t))
     side = np.zeros(found.f.shape)
     side[zone] = located.side
-    parts = _minor(found, side, survey, sides)
+    parts = [*_minor(found, side, survey, sides), *_specks(found, survey, sides)]
     if not parts and not bool((located.side * f < 0.0).any()):
         return None
     margin = np.minimum(SLOPE * located.distance, MOST)
@@ -66,6 +67,14 @@ def _minor(found: Findings, side: FloatArray, survey: Survey, sides: Sides) -> l
                 if t is not None:
                     out.append(_asked(t, sign))
     return out
+
+
+def _specks(found: Findings, survey: Survey, sides: Sides) -> list[Demands]:
+    """Return what to ask for of specks: their side, or that of all around where no side can be told."""
+    told = sides.at(survey.local(found.specks)).side
+    side = np.where(told == 0.0, -np.sign(found.speck_values), told)
+    wrong = side * found.speck_values < 0.0
+    return [Demands(found.specks[wrong], side[wrong], np.full(wrong.sum(), LITTLE))] if wrong.any() else []
 
 
 def _asked(t: FloatArray, side: float) -> Demands:

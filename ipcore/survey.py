@@ -13,6 +13,7 @@ from ipcore import basis, contraction
 from ipcore._typing import BoolArray, FloatArray
 from ipcore.basis import Basis
 from ipcore.sides import Sides
+from ipcore.specks import specks
 
 # Farther than this from all data, in mean radii and in point spacings, the zero set is stray.
 FAR_RADII = {2: 0.10, 3: 0.12}
@@ -31,8 +32,10 @@ class Findings:
         Nodes of all regions but the largest of each sign.
     suspect
         Those, and the nodes far from the data beside which f changes sign.
+    specks, speck_values
+        (M, d) in the Chebyshev variables, where f has the other sign than all nodes around, and (M,), f there.
     components
-        Of the zero set.
+        Of the zero set, specks included.
     stray
         Share of the nodes beside a change of sign that are far.
 
@@ -41,6 +44,8 @@ class Findings:
     f: FloatArray
     minor: BoolArray
     suspect: BoolArray
+    specks: FloatArray
+    speck_values: FloatArray
     components: int
     stray: float
 
@@ -81,7 +86,9 @@ class Survey:
         far = np.isinf(distance)
         suspect = minor.copy()
         suspect[tuple(np.argwhere(beside)[far].T)] = True
-        return Findings(f, minor, suspect, regions - 1, float(far.sum() / max(1, len(far))))
+        small = specks(tensor, self.lines, f, beside)
+        components = regions - 1 + len(small[0])
+        return Findings(f, minor, suspect, *small, components, float(far.sum() / max(1, len(far))))
 
 
 def _beside_a_change(inside: BoolArray) -> BoolArray:

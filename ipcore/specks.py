@@ -1,0 +1,66 @@
+"""Pieces of a zero set that are smaller than a grid's cells.
+
+Between nodes of one sign a polynomial can dip to the other one and back. Where it does, |f| has a local minimum, which
+a fine grid still shows: the quadratic through the neighbours of its lowest node tells where the bottom is, and f there
+tells whether it is on the other side of 0.
+"""
+
+import numpy as np
+from scipy import ndimage
+
+from ipcore import basis, contraction
+from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore.basis import Basis
+
+REACH = 1.5  # cells from its lowest node within which a bottom is looked for
+
+
+def specks(tensor: FloatArray, lines: FloatArray, f: FloatArray, beside: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Return where f has the other sign than all nodes around, and its values there.
+
+    Parameters
+    ----------
+    tensor
+        (n+1, …), Chebyshev coefficients.
+    lines
+        (N,), even grid lines, the same along every axis.
+    f
+        (N, …), values on the grid.
+    beside
+        (N, …), nodes beside a change of sign: what is there is no speck.
+
+    Returns
+    -------
+        (M, d) in the Chebyshev variables, and (M,).
+
+    """
+    size = np.abs(f)
+    lowest = (size == ndimage.minimum_filter(size, size=3)) & ~beside
+    inner = np.zeros_like(lowest)
+    inner[(slice(1, -1),) * f.ndim] = True
+    nodes = np.argwhere(lowest & inner)
+    t = lines[nodes] + _to_bottom(f, nodes) * (lines[1] - lines[0])
+    tables = [basis.table(Basis.CHEBYSHEV, np.ascontiguousarray(x), len(tensor) - 1) for x in t.T]
+    values = contraction.scattered(tensor[None], tables)[0]
+    other = values * f[tuple(nodes.T)] < 0.0
+    return t[other], values[other]
+
+
+def _to_bottom(f: FloatArray, nodes: IntArray) -> FloatArray:
+    """Return the steps (M, d), in cells, from nodes to where the quadratic through their neighbours is stationary."""
+    d = f.ndim
+    unit = np.eye(d, dtype=np.intp)
+    gradient, hessian = np.empty((len(nodes), d)), np.empty((len(nodes), d, d))
+
+    def at(offset: IntArray) -> FloatArray:
+        return np.asarray(f[tuple((nodes + offset).T)])
+
+    for i in range(d):
+        ahead, behind = at(unit[i]), at(-unit[i])
+        gradient[:, i] = (ahead - behind) / 2.0
+        hessian[:, i, i] = ahead - 2.0 * at(0 * unit[i]) + behind
+        for j in range(i):
+            corners = at(unit[i] + unit[j]) - at(unit[i] - unit[j]) - at(unit[j] - unit[i]) + at(-unit[i] - unit[j])
+            hessian[:, i, j] = hessian[:, j, i] = corners / 4.0
+    step = -np.linalg.pinv(hessian, hermitian=True) @ gradient[:, :, None]
+    return np.clip(step[:, :, 0], -REACH, REACH)
