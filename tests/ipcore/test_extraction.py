@@ -7,7 +7,6 @@ from skimage.measure import find_contours, marching_cubes
 
 from ipcore import monomials, shapes
 from ipcore._typing import FloatArray, IntArray
-from ipcore.basis import Basis
 from ipcore.bernstein import ranges
 from ipcore.errors import InvalidOptionsError
 from ipcore.extraction import extract
@@ -16,20 +15,10 @@ from ipcore.marching import MARGIN
 from ipcore.mesh import Mesh, cell_vectors
 from ipcore.polynomial import ImplicitPolynomial
 from ipcore.pruning import extract_pruned
+from tests.ipcore.bumps import bumpy
 
 EPS = float(np.finfo(float).eps)
 SPHERE = shapes.sphere().polynomial
-
-
-def bumpy(dimension: int, seed: int, height: float = 0.3) -> ImplicitPolynomial:
-    """Return a sphere of degree 12 with random bumps, in Chebyshev products on a cube of ±1.5."""
-    rng, half = np.random.default_rng(seed), 1.5
-    powers = monomials.exponents(dimension, 12)
-    a = height * rng.normal(size=len(powers)) / (1 + powers.sum(axis=1))
-    a[0] += dimension * half**2 / 2 - 1.0
-    a[monomials.column(2 * np.eye(dimension, dtype=np.intp))] += half**2 / 2  # (half t)² = half²/2 (T₂(t) + 1)
-    bounds = np.array([[-half] * dimension, [half] * dimension])
-    return ImplicitPolynomial(12, a, Frame(np.zeros(dimension), 1.0), bounds, Basis.CHEBYSHEV)
 
 
 def grid(bounds: FloatArray, counts: tuple[int, ...]) -> list[FloatArray]:

@@ -9,7 +9,6 @@ from scipy.spatial import cKDTree
 
 from ipcore import monomials, shapes
 from ipcore._typing import BoolArray, FloatArray, IntArray
-from ipcore.basis import Basis
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.extraction import extract
 from ipcore.frame import Frame
@@ -18,6 +17,7 @@ from ipcore.nearness import NEAR_RADII, near
 from ipcore.polishing import polish
 from ipcore.polynomial import ImplicitPolynomial
 from ipcore.zero_set import ZeroSet, zero_set
+from tests.ipcore.bumps import bumpy
 
 EPS = float(np.finfo(float).eps)
 SQUARE = np.array([[-2.0, -2.0], [2.0, 2.0]])
@@ -47,18 +47,6 @@ def moved(p: ImplicitPolynomial, shift: float, scale: float) -> ImplicitPolynomi
     return ImplicitPolynomial(
         p.degree, p.coefficients, Frame(p.frame.centre * scale + shift, scale), p.bounds * scale + shift
     )
-
-
-def bumpy(dimension: int, seed: int, height: float = 0.3) -> ImplicitPolynomial:
-    """Return a sphere of degree 12 with random bumps, in Chebyshev products on a cube of ±1.5."""
-    rng, half = np.random.default_rng(seed), 1.5
-    powers = monomials.exponents(dimension, 12)
-    a = height * rng.normal(size=len(powers)) / (1 + powers.sum(axis=1))
-    a[0] += dimension * half**2 / 2 - 1.0
-    a[monomials.column(2 * np.eye(dimension, dtype=np.intp))] += half**2 / 2  # (half t)² = half²/2 (T₂(t) + 1)
-    frame = Frame(np.zeros(dimension), 1.0)
-    bounds = np.array([[-half] * dimension, [half] * dimension])
-    return ImplicitPolynomial(12, a, frame, bounds, Basis.CHEBYSHEV)
 
 
 def size(z: ZeroSet) -> float:
