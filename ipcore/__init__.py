@@ -11,6 +11,7 @@ from ipcore.errors import (
     IPCoreError,
 )
 from ipcore.frame import Frame
+from ipcore.moments import Moments
 from ipcore.normals import NormalSource, estimate_normals
 from ipcore.options import FitOptions
 from ipcore.points import PointSet
@@ -36,6 +37,7 @@ __all__ = [
     "InvalidOptionsError",
     "InvalidPointsError",
     "InvalidPolynomialError",
+    "Moments",
     "NormalSource",
     "PointSet",
     "Preset",

@@ -1,47 +1,54 @@
 """The two ways in: a fit whose degree finds itself (the paper's section 4), and a fit of a degree that is known."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from importlib.metadata import version
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from ipcore import monomials
 from ipcore import points as pointset
+from ipcore.answer import answer
 from ipcore.choices import Constraints, Criterion, Granularity, chosen
 from ipcore.errors import InvalidOptionsError
 from ipcore.judges import Judge, LastJudge, judge
-from ipcore.linear import prefix_fit
 from ipcore.options import HIGHEST_DEGREE, FitOptions
-from ipcore.oriented import OrientedPoints, sha256
+from ipcore.oriented import OrientedPoints
+from ipcore.parallel import using
 from ipcore.points import PointSet
-from ipcore.prefix import PrefixFit
-from ipcore.quiet import QuietFit
 from ipcore.ranges import integer
-from ipcore.report import diagnose
 from ipcore.result import FitResult, StopReason
 from ipcore.search import DegreeSearch, Progress, stops
+from ipcore.streams import PointStream, spooled, streamed
+from ipcore.ways import way
 
 
 def fit(
-    points: ArrayLike,
+    points: ArrayLike | Iterator[Any],
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
     progress: Progress | None = None,
+    threads: int | None = None,
 ) -> FitResult:
     """Fit an implicit polynomial whose degree finds itself.
 
     Parameters
     ----------
     points
-        (N, 2) or (N, 3), raw coordinates.
+        (N, 2) or (N, 3), raw coordinates. A memory-mapped array of 2¹⁸ points or more, with normals, is streamed: read
+        piece by piece, as often as needed, in constant memory. So is an iterator of pairs (points, normals), which is
+        written to a temporary file first. Of a stream, linear fits and D_dist, D_smooth and the maximum count every
+        point; the geometric fit and all other figures are those of a sample of 50,000.
     normals
         (N, d), outward, of any length. Without them: from the order of a 2D outline, else estimated and oriented.
     options
         See `FitOptions`.
     progress
         Called with every `Step` as it is made; what it raises ends the fit and reaches the caller.
+    threads
+        How many to work with, at most; by default OMP_NUM_THREADS if set, else all cores. They change nothing beyond
+        rounding. Those of BLAS are limited for the whole process meanwhile.
 
     Raises
     ------
@@ -60,12 +67,14 @@ def fit(
 
     """
     options = options or FitOptions()
-    given = pointset.check(points, normals)
-    dimension = given.points.shape[1]
-    cap = options.degree_cap(dimension)
-    if given.planar:
-        return _searched(given, options, stops(dimension, 1, Granularity.FORM), LastJudge(StopReason.PLANAR), progress)
-    return _searched(given, options, stops(dimension, cap, options.granularity), judge(options), progress)
+    with using(threads):
+        given = _given(points, normals)
+        dimension = given.points.shape[1]
+        cap = options.degree_cap(dimension)
+        if given.planar:
+            alphas = stops(dimension, 1, Granularity.FORM)
+            return _searched(given, options, alphas, LastJudge(StopReason.PLANAR), progress)
+        return _searched(given, options, stops(dimension, cap, options.granularity), judge(options), progress)
 
 
 def fit_fixed(
@@ -102,7 +111,7 @@ def fit_fixed(
     (True, 'degree-reached')
 
     """
-    given = pointset.check(points, normals)
+    given = _given(points, normals)
     count, dimension = given.points.shape
     integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
     columns = monomials.count(dimension, degree)
@@ -110,38 +119,24 @@ def fit_fixed(
         raise InvalidOptionsError(
             f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
         )
-    options = options or FitOptions()
-    options = replace(options, max_degree=degree, criterion=Criterion.NONE)
+    options = replace(options or FitOptions(), max_degree=degree, criterion=Criterion.NONE)
     if method is not None:
         family = chosen("method", method, Constraints)
         options = replace(options, constraints=family, signs=False, geometric=False)
     return _searched(given, options, [columns], LastJudge(), None)
 
 
+def _given(points: ArrayLike | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
+    """Return what is to be fitted, checked."""
+    if isinstance(points, Iterator):
+        return spooled(points, normals)
+    return streamed(points, normals) or pointset.check(points, normals)
+
+
 def _searched(
-    given: PointSet, options: FitOptions, alphas: Sequence[int], by: Judge, progress: Progress | None
+    given: PointSet | PointStream, options: FitOptions, alphas: Sequence[int], by: Judge, progress: Progress | None
 ) -> FitResult:
-    """Orient the points, search over these stops, and report."""
+    """Orient the points, choose the way to fit, and search over these stops."""
     data = OrientedPoints.of(given, options.neighbours)
-    top = monomials.degree_of(data.points.shape[1], alphas[-1])
-    how = _way(data, options, top)
-    search = DegreeSearch(data, options, how, by)
-    found = search.run(alphas, progress)
-    loss = how.orthogonality_loss(found.step.columns)
-    diagnosis = diagnose(found.fitted, data, options, found.reason, loss)
-    return FitResult(
-        diagnosis.polynomial,
-        found.reason,
-        tuple(search.steps),
-        diagnosis.diagnostics,
-        diagnosis.warnings,
-        options,
-        version("ipfit"),
-        sha256(given),
-    )
-
-
-def _way(data: OrientedPoints, options: FitOptions, top: int) -> PrefixFit:
-    """Return the way to fit that the options ask for, up to the degree `top`."""
-    linear = options.is_linear or data.planar
-    return prefix_fit(data, options, top) if linear else QuietFit(data, options, top)
+    how = way(data, options, monomials.degree_of(data.points.shape[1], alphas[-1]))
+    return answer(DegreeSearch(data, options, how, by), alphas, progress, given.sha256)

@@ -28,11 +28,15 @@ def table(basis: Basis, t: FloatArray, degree: int) -> FloatArray:
     values[0] = 1.0
     if degree:
         values[1] = t
-    for k in range(2, degree + 1):
-        np.multiply(values[k - 1], t, out=values[k])
-        if basis is Basis.CHEBYSHEV:
-            values[k] *= 2.0
-            values[k] -= values[k - 2]
+    known = min(degree, 1)
+    while known < degree:  # the next ones come from the highest and all below it, so few passes reach any degree
+        some = min(known, degree - known)
+        new = values[known + 1 : known + some + 1]
+        np.multiply(values[1 : some + 1], values[known], out=new)
+        if basis is Basis.CHEBYSHEV:  # T_{m+j} = 2 T_m T_j − T_{m−j}
+            new *= 2.0
+            new -= values[known - some : known][::-1]
+        known += some
     return values
 
 

@@ -68,9 +68,17 @@ class Granularity(StrEnum):
 
 
 class Factor(StrEnum):
-    """How M = QR is computed: block Gram–Schmidt done twice, or the paper's eq. (5) as printed; `auto` is the block."""
+    """How M = QR is computed.
+
+    `moments` and `tsqr` never hold M: R is the Cholesky factor of MᵀM, whose entries are moments of the points, or is
+    made of chunks of rows, factored one below the other. `moments` goes over to `tsqr` where squaring the condition
+    would show. `block` is block Gram–Schmidt done twice on all of M, `gram-schmidt` the paper's eq. (5) as printed.
+    `auto` is `moments` for large systems and `tsqr` for small ones, or `block` for what needs Q.
+    """
 
     AUTO = "auto"
+    MOMENTS = "moments"
+    TSQR = "tsqr"
     BLOCK = "block"
     GRAM_SCHMIDT = "gram-schmidt"
 

@@ -63,9 +63,10 @@ def scattered(tensors: FloatArray, tables: list[FloatArray]) -> FloatArray:
     A = np.moveaxis(tensors, -1, 0)[(..., *leading.T)]  # (n+1, p, products)
     matrices = [A[group, :, :count].reshape(-1, count) for group, count in zip(groups, counts, strict=True)]
     out = np.empty((len(tensors), tables[0].shape[1]))
+    scratch = np.empty((len(leading), min(CHUNK, out.shape[1])))
     for start in range(0, out.shape[1], CHUNK):
         part = slice(start, start + CHUNK)
-        P = monomials.products([t[:, part] for t in tables[:-1]], leading)
+        P = monomials.form_products([t[:, part] for t in tables[:-1]], 0, degree, scratch)
         sums = np.empty((degree + 1, len(out), P.shape[1]))
         for group, a in zip(groups, matrices, strict=True):
             np.matmul(a, P[: a.shape[1]], out=sums[group].reshape(len(a), -1))

@@ -25,31 +25,34 @@ class Closeness:
 
     Attributes
     ----------
-    distances
-        (N,), |f|/‖∇f‖ at every data point, in mean radii.
     d_dist, d_smooth
         The two means above.
+    p95, farthest
+        95th percentile and maximum of |f|/‖∇f‖, in mean radii.
 
     """
 
-    distances: FloatArray
     d_dist: float
     d_smooth: float
+    p95: float
+    farthest: float
 
     @classmethod
-    def of(
-        cls, f: FloatArray, gradient: FloatArray, normals: FloatArray, weights: FloatArray | None = None
-    ) -> "Closeness":
-        """Measure from f (N,) and ∇f (N, d) in the normalised frame and unit normals (N, d); the means may be weighted.
+    def of(cls, distances: FloatArray, cosines: FloatArray, weights: FloatArray | None = None) -> "Closeness":
+        """Take |f|/‖∇f‖ and n·∇f/‖∇f‖ at the points, (N,) each; the means may be weighted.
 
-        >>> at = Closeness.of(np.array([0.1]), np.array([[0.0, 2.0]]), np.array([[0.0, 1.0]]))
+        >>> at = Closeness.of(*distances_and_cosines(np.array([0.1]), np.array([[0.0, 2.0]]), np.array([[0.0, 1.0]])))
         >>> at.d_dist, at.d_smooth
         (0.05, 1.0)
         """
-        size = np.maximum(np.linalg.norm(gradient, axis=1), np.finfo(float).tiny)  # a flat point is far, not undefined
-        distances = np.abs(f) / size
-        cosine = np.einsum("ij,ij->i", normals, gradient) / size
-        return cls(distances, float(np.average(distances, weights=weights)), float(np.average(cosine, weights=weights)))
+        d_dist, d_smooth = (float(np.average(x, weights=weights)) for x in (distances, cosines))
+        return cls(d_dist, d_smooth, float(np.quantile(distances, 0.95)), float(distances.max()))
+
+
+def distances_and_cosines(f: FloatArray, gradient: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return |f|/‖∇f‖ and n·∇f/‖∇f‖, (N,) each, from f (N,) and ∇f (N, d) in the normalised frame and unit normals."""
+    size = np.maximum(np.linalg.norm(gradient, axis=1), np.finfo(float).tiny)  # a flat point is far, not undefined
+    return np.abs(f) / size, np.einsum("ij,ij->i", normals, gradient) / size
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,11 @@ from ipcore.basis import Basis
 
 Sparse = csr_array[np.float64, tuple[int, int]]
 
-CHUNK = 2048  # points at once: 5 MB of products at degree 12 in 3D
-COLUMNS = 48  # of one matrix product: several of the last variable's functions are taken together
+# Large passes over many points, for each call that other threads must wait for costs more than it seems: the last
+# variable's functions, weighted, take 4 MB at most, and the products of the others come some forms at a time.
+CHUNK = 8192  # points at once at most
+ENTRIES = 1 << 19  # of the last variable's functions
+ROWS = 64  # products at once, about
 
 
 @lru_cache(maxsize=32)
@@ -66,20 +69,30 @@ def moments(tables: list[FloatArray], weights: FloatArray) -> FloatArray:
 
     """
     d, degree, p = len(tables), len(tables[0]) - 1, len(weights)
-    leading = monomials.exponents(d - 1, degree)
-    counts = [monomials.count(d - 1, degree - k) for k in range(degree + 1)]
-    starts = np.cumsum([0, *counts])
-    out = np.zeros((starts[-1], p))
-    group = max(1, COLUMNS // p)
-    for start in range(0, weights.shape[1], CHUNK):
-        part = slice(start, start + CHUNK)
-        P = monomials.products([t[:, part] for t in tables[:-1]], leading)
-        last, w = tables[-1][:, part], weights[:, part]
-        for k in range(0, degree + 1, group):
-            some = last[k : k + group]
-            sums = P[: counts[k]] @ (some[:, None] * w).reshape(-1, w.shape[1]).T
-            for j in range(len(some)):
-                out[starts[k + j] : starts[k + j + 1]] += sums[: counts[k + j], j * p : (j + 1) * p]
+    bands = _bands(d - 1, degree)
+    sums = np.zeros((monomials.count(d - 1, degree), (degree + 1) * p))
+    size = max(1, min(CHUNK, ENTRIES // ((degree + 1) * p), weights.shape[1]))
+    scratch = np.empty((max(band.stop - band.start for _, _, band in bands), size))
+    for start in range(0, weights.shape[1], size):
+        part = slice(start, start + size)
+        *others, last = (table[:, part] for table in tables)
+        weighted = (last[:, None] * weights[:, part]).reshape(-1, last.shape[1])
+        for low, high, band in bands:
+            columns = (degree - low + 1) * p
+            sums[band, :columns] += monomials.form_products(others, low, high, scratch) @ weighted[:columns].T
+    powers = order(d, degree)
+    return np.asarray(sums.reshape(len(sums), degree + 1, p)[monomials.column(powers[:, :-1]), powers[:, -1]])
+
+
+@lru_cache(maxsize=32)
+def _bands(dimension: int, degree: int) -> list[tuple[int, int, slice]]:
+    """Return the forms 0 … `degree` in groups of about `ROWS` columns: first and last degree, and the columns."""
+    out, first = [], 0
+    for last in range(degree + 1):
+        columns = slice(monomials.form(dimension, first).start, monomials.form(dimension, last).stop)
+        if last == degree or monomials.form(dimension, last + 1).stop - columns.start > ROWS:
+            out.append((first, last, columns))
+            first = last + 1
     return out
 
 

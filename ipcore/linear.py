@@ -1,4 +1,4 @@
-"""Linear fits with one prefix of columns after another, each reusing the factorisation of the one before (Fig. 2)."""
+"""Linear fits from all rows and columns, each prefix reusing the factorisation of the one before (Fig. 2)."""
 
 from dataclasses import replace
 
@@ -6,31 +6,25 @@ import numpy as np
 
 from ipcore import monomials, ridge
 from ipcore._typing import FloatArray
-from ipcore.choices import Constraints, Criterion, Factor, Ridge
+from ipcore.choices import Criterion, Factor, Ridge
 from ipcore.constraints import families
 from ipcore.criteria import Leverage
 from ipcore.factor.block import BlockGramSchmidt
 from ipcore.factor.gram_schmidt import GramSchmidt
 from ipcore.factor.interface import Factorisation, Policy
+from ipcore.growing import GrowingFit
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
-from ipcore.polynomial import ImplicitPolynomial
-from ipcore.prefix import Fitted, PrefixFit
+from ipcore.prefix import Fitted
 from ipcore.system import System, working_basis
 
 
-def prefix_fit(data: OrientedPoints, options: FitOptions, max_degree: int) -> PrefixFit:
-    """Return the linear fit that the options ask for."""
-    kind = TaubinFit if options.constraints is Constraints.TAUBIN else LeastSquaresFit
-    return kind(data, options, max_degree)
-
-
-class LeastSquaresFit:
+class LeastSquaresFit(GrowingFit):
     """Minimises ‖M a − b‖², and κ aᵀDa with it if that is asked for."""
 
     def __init__(self, data: OrientedPoints, options: FitOptions, max_degree: int) -> None:
         """Tabulate the univariate functions at the constraints' positions, up to the last degree."""
-        self._data = data
+        self._data, self._dimension = data, data.points.shape[1]
         self._rows = families.rows(data.points, data.normals, options)
         self._basis = working_basis(options)
         self._system = System(self._rows, self._basis, data.bounds, max_degree)
@@ -44,12 +38,12 @@ class LeastSquaresFit:
 
     def raise_to(self, alpha: int) -> Fitted:
         """Append the columns that are still missing, a whole form at a time, and solve."""
-        degree = monomials.degree_of(self._data.points.shape[1], alpha)
-        self._append(alpha)
+        degree = monomials.degree_of(self._dimension, alpha)
+        self._append(self._factor, alpha)
         if self._rows.gradient_length is not None:
             self._factor.retarget(self._rows.b(degree))
         polynomial = self._data.polynomial(degree, self._factor.solve(), self._basis)
-        return self._step(polynomial, len(self._factor.residual), self._factor.rss)
+        return self._step(polynomial, len(self._factor.residual), self._factor.rss, self._left_out())
 
     def orthogonality_loss(self, columns: int) -> float | None:
         """Return ‖QᵀQ − I‖₂ of the first columns that were kept; None where it is rounding by construction."""
@@ -60,29 +54,8 @@ class LeastSquaresFit:
         policy = Policy(options.collinear_tol, options.on_collinear, options.ridge is Ridge.FULL)
         return kind(self._rows.b(1), policy, 0 if self._damping is None else len(self._damping))
 
-    def _append(self, alpha: int) -> None:
-        """Append form by form: the blocks are the same whether degrees are asked for one by one or at once."""
-        start, d = len(self._factor.kept), self._data.points.shape[1]
-        while start < alpha:
-            stop = min(alpha, monomials.form(d, monomials.degree_of(d, start + 1)).stop)
-            damping = None if self._damping is None else self._damping[start:stop]
-            self._factor.append(self._system.columns(start, stop), damping)
-            start = stop
-
-    def _step(self, polynomial: ImplicitPolynomial, rows: int, rss: float) -> Fitted:
-        factor, columns = self._factor, int(np.count_nonzero(self._factor.kept))
-        return Fitted(
-            polynomial,
-            rows,
-            columns,
-            len(factor.kept) - columns,
-            factor.ridged,
-            factor.freedom,
-            rss,
-            factor.condition(),
-            factor.diagonal_ratio(),
-            self._left_out(),
-        )
+    def _columns(self, start: int, stop: int) -> FloatArray:
+        return self._system.columns(start, stop)
 
     def _left_out(self) -> float | None:
         if self._leverage is None:
@@ -104,7 +77,7 @@ class TaubinFit(LeastSquaresFit):
 
         f is scaled to mean ‖∇f‖² = 1, so that it is about a distance, and grows along the normals.
         """
-        self._append(alpha)
+        self._append(self._factor, alpha)
         points, normals = self._data.points, self._data.normals
         y = _smallest_right_singular_vector([block[: len(points)] for block in self._factor.data_blocks()])
         degree = monomials.degree_of(points.shape[1], alpha)

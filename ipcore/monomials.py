@@ -95,6 +95,28 @@ def products(tables: list[FloatArray], powers: IntArray) -> FloatArray:
     return rows
 
 
+def form_products(tables: list[FloatArray], first: int, last: int, out: FloatArray | None = None) -> FloatArray:
+    """Return the products of the forms of degree `first` … `last` in graded order, (columns, N).
+
+    From one or two tables (≥ last + 1, N), as `products` does, but with one pass for each form and no copies of tables.
+    `out` (≥ columns, ≥ N) may hold the result: to make room for it anew takes as long as the products.
+
+    >>> x, y = np.array([[1.0], [2.0], [4.0]]), np.array([[1.0], [3.0], [9.0]])          # x; y; x², xy, y²
+    >>> form_products([x, y], 1, 2)[:, 0].tolist()
+    [2.0, 3.0, 4.0, 6.0, 9.0]
+    """
+    if len(tables) == 1:
+        return tables[0][first : last + 1]
+    X, Y = tables
+    start = form(2, first).start
+    m, N = count(2, last) - start, X.shape[1]
+    out = np.empty((m, N)) if out is None else out[:m, :N]
+    for s in range(first, last + 1):
+        columns = form(2, s)
+        np.multiply(X[s::-1], Y[: s + 1], out=out[columns.start - start : columns.stop - start])
+    return out
+
+
 def sum_of_all(x: FloatArray, degree: int) -> FloatArray:
     """Return the sum of all monomials of total degree ≤ `degree` at x (N, d), shape (N,).
 

@@ -13,6 +13,11 @@ from ipcore.ranges import integer, number
 DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
 HIGHEST_DEGREE = {2: 40, 3: 20}
 
+# Families that ask for nothing but values of f, the same whatever the degree; and those whose right-hand side, or
+# whatever takes its place, changes with it.
+LAYERED = {Constraints.THREE_LAYER, Constraints.FIVE_LAYER}
+CHANGING = {Constraints.MIN_MAX, Constraints.MIN_VAR, Constraints.TAUBIN}
+
 _CHOICES: dict[str, type[StrEnum]] = {
     "constraints": Constraints,
     "criterion": Criterion,
@@ -59,7 +64,7 @@ class FitOptions:
     granularity
         Where the search may stop: at complete degrees, or at every column.
     factor
-        How the linear system is factored.
+        How the linear system is factored; see `Factor`.
     collinear
         What becomes of collinear columns. By default they are ridged if `ridge` is selective, and dropped if it is not.
     collinear_tol
@@ -169,6 +174,7 @@ class FitOptions:
                 ("collinear",),
             )
 
+        self._check_factor()
         if self._asks_for_linear and (self.signs or self.geometric):
             name = "geometric" if self.geometric else "signs"
             raise InvalidOptionsError(
@@ -177,6 +183,23 @@ class FitOptions:
             )
         if self.robust and self.is_linear:
             raise InvalidOptionsError("robust needs the geometric fit, or that under sign constraints", ("robust",))
+
+    def _check_factor(self) -> None:
+        """Refuse a factorisation that cannot do what else is asked for."""
+        if self.factor not in {Factor.MOMENTS, Factor.TSQR}:
+            return
+        if self.needs_rows:
+            what = "criterion loo" if self.criterion is Criterion.LOO else f"constraints {self.constraints}"
+            raise InvalidOptionsError(f"{what} needs the rows that factor {self.factor} does not keep", ("factor",))
+        if self.factor is Factor.MOMENTS and self.constraints not in LAYERED:
+            raise InvalidOptionsError(
+                f"factor moments is for constraints 3l and 5l, not {self.constraints}; take tsqr", ("factor",)
+            )
+
+    @property
+    def needs_rows(self) -> bool:
+        """Return whether the fit needs all rows at hand: to leave points out, or because b changes with the degree."""
+        return self.criterion is Criterion.LOO or self.constraints in CHANGING
 
     @property
     def _asks_for_linear(self) -> bool:

@@ -1,7 +1,8 @@
 """The data as the fit sees it: normalised, oriented, boxed."""
 
-import hashlib
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -13,10 +14,23 @@ from ipcore.frame import Frame
 from ipcore.normals import NormalSource, orient
 from ipcore.points import PointSet
 from ipcore.polynomial import ImplicitPolynomial
+from ipcore.sample import SIZE, Sample
+from ipcore.streams import PointStream
 
 # The fit's bounds are the data's box grown by this much on every side, in mean radii: room for the zero set to close
 # round the data, and for the outer layers (layer_distance is at most this).
 MARGIN = 0.3
+
+
+PART = 8192  # points at once in passes over all of them
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Some of the points and their unit outward normals, (n, d) in the normalised frame."""
+
+    points: FloatArray
+    normals: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +40,7 @@ class OrientedPoints:
     Attributes
     ----------
     points, normals
-        (N, d), in the frame.
+        (N, d), in the frame. Of a stream, a sample.
     frame
         From raw coordinates and back.
     bounds
@@ -35,6 +49,10 @@ class OrientedPoints:
         Where the normals came from.
     planar
         Whether all points lie on one plane (3D).
+    count
+        N, the number of all points: more than those here, if these are a sample.
+    stream
+        Where all points can be read, if these are a sample.
 
     """
 
@@ -44,15 +62,41 @@ class OrientedPoints:
     bounds: FloatArray
     source: NormalSource
     planar: bool
+    count: int
+    stream: PointStream | None = None
 
     @classmethod
-    def of(cls, given: PointSet, neighbours: int) -> Self:
-        """Normalise, and orient if the caller gave no normals."""
+    def of(cls, given: PointSet | PointStream, neighbours: int) -> Self:
+        """Normalise, and orient if the caller gave no normals. Of a stream, only the sample is held."""
+        if isinstance(given, PointStream):
+            held = cls.sampled(given.sample, given.frame, given.box, given.count)
+            return replace(held, planar=given.planar, stream=given)
         frame = Frame.of(given.points)
         x = frame.to_local(given.points)
         normals, source = (given.normals, NormalSource.GIVEN) if given.normals is not None else orient(x, neighbours)
-        bounds = np.stack([x.min(axis=0) - MARGIN, x.max(axis=0) + MARGIN])
-        return cls(x, normals, frame, bounds, source, given.planar)
+        bounds = _grown(np.stack([x.min(axis=0), x.max(axis=0)]))
+        return cls(x, normals, frame, bounds, source, given.planar, len(x))
+
+    @classmethod
+    def sampled(cls, sample: Sample, frame: Frame, box: FloatArray, count: int) -> Self:
+        """Take a sample of so many points in a box (2, d), raw."""
+        x, bounds = frame.to_local(sample.points), _grown(frame.to_local(box))
+        return cls(x, sample.normals, frame, bounds, NormalSource.GIVEN, planar=False, count=count)
+
+    def parts(self) -> Iterable[Part]:
+        """Return all points in parts, in order: views of those that are held, or pieces read from the stream."""
+        if self.stream is not None:
+            return (Part(self.frame.to_local(x), n) for x, n in self.stream.pieces())
+        starts = range(0, len(self.points), PART)
+        return [Part(self.points[start : start + PART], self.normals[start : start + PART]) for start in starts]
+
+    @cached_property
+    def thinned(self) -> "OrientedPoints":
+        """Return the same with `SIZE` points at most, held: enough for what does not need all of them."""
+        if self.stream is None and self.count <= SIZE:
+            return self
+        sample = Sample.of(self.points, self.normals)
+        return replace(self, points=sample.points, normals=sample.normals, count=len(sample.points), stream=None)
 
     def polynomial(self, degree: int, coefficients: FloatArray, basis: Basis) -> ImplicitPolynomial:
         """Return the polynomial with these coefficients in this basis, in the normalised frame.
@@ -74,11 +118,6 @@ class OrientedPoints:
         return winding.self_check(self.points, self.normals)
 
 
-def sha256(given: PointSet) -> str:
-    """Return the SHA-256 of points and normals: shapes, then little-endian doubles in C order."""
-    digest = hashlib.sha256()
-    for array in (given.points, given.normals):
-        if array is not None:
-            digest.update(repr(array.shape).encode())
-            digest.update(np.ascontiguousarray(array, dtype="<f8").data)
-    return digest.hexdigest()
+def _grown(box: FloatArray) -> FloatArray:
+    """Return a box (2, d) with the margin on every side."""
+    return np.asarray(box + np.array([[-MARGIN], [MARGIN]]))

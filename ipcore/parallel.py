@@ -1,34 +1,99 @@
 """Work spread over threads, in an order that does not depend on them."""
 
 import os
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sized
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ipcore.blas import limited
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Kind = TypeVar("Kind", bound=np.generic)
 
 CHUNK = 16384  # rows at once: enough for numpy to let other threads run, few enough for the L2 cache
+AHEAD = 2  # items per thread that are taken before their turn: no thread waits for the next, and memory stays bounded
+
+_asked: ContextVar[int | None] = ContextVar("threads", default=None)
+
+
+@contextmanager
+def using(threads: int | None) -> Iterator[None]:
+    """Let everything within use at most so many threads, BLAS included; None changes nothing.
+
+    >>> with using(1):
+    ...     available()
+    1
+    """
+    if threads is None:
+        yield
+        return
+    token = _asked.set(threads)
+    try:
+        with limited(threads):
+            yield
+    finally:
+        _asked.reset(token)
+
+
+def available() -> int:
+    """Return how many threads this call is to use.
+
+    What `using` says; else OMP_NUM_THREADS if set, as for BLAS; else the process's number of cores.
+    """
+    return _asked.get() or _of_the_process(os.environ.get("OMP_NUM_THREADS", ""))
+
+
+@lru_cache(maxsize=8)
+def _of_the_process(asked: str) -> int:
+    if asked.isdecimal() and int(asked):
+        return int(asked)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def ordered(function: Callable[[Item], Result], items: Iterable[Item], threads: int | None = None) -> Iterator[Result]:
+    """Yield function(item) of every item, in order; `threads` at once, by default all `available`.
+
+    Items are taken as they are needed, so a stream of them is never held as a whole. It pays where the function spends
+    its time in numpy on arrays of thousands of numbers, which lets other threads run; BLAS keeps to one thread in each.
+
+    >>> list(ordered(len, iter(["one", "three"]), threads=2))
+    [3, 5]
+    """
+    workers = available() if threads is None else threads
+    if isinstance(items, Sized):
+        workers = min(workers, len(items))
+    if workers <= 1:
+        yield from map(function, items)
+        return
+    waiting: deque[Future[Result]] = deque()
+    with limited(1), ThreadPoolExecutor(workers, initializer=_asked.set, initargs=(1,)) as pool:
+        try:
+            for item in items:
+                waiting.append(pool.submit(function, item))
+                if len(waiting) >= AHEAD * workers:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            for future in waiting:  # after an error, nothing more is begun
+                future.cancel()
 
 
 def mapped(function: Callable[[Item], Result], items: Iterable[Item], threads: int | None = None) -> list[Result]:
-    """Return function(item) of every item, in order; `threads` at once, by default all `available`.
-
-    It pays where the function spends its time in numpy on arrays of thousands of numbers, which lets other threads run.
+    """Return function(item) of every item, in order, as `ordered` yields them.
 
     >>> mapped(len, ["one", "three"], threads=2)
     [3, 5]
     """
-    items = list(items)
-    workers = min(available() if threads is None else threads, len(items))
-    if workers <= 1:
-        return [function(item) for item in items]
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(function, items))
+    return list(ordered(function, list(items), threads))
 
 
 def by_rows(function: Callable[[slice], NDArray[Kind]], rows: int, threads: int | None = None) -> NDArray[Kind]:
@@ -38,13 +103,13 @@ def by_rows(function: Callable[[slice], NDArray[Kind]], rows: int, threads: int 
     >>> bool((by_rows(lambda part: 2.0 * x[part], len(x)) == 2.0 * x).all())
     True
     """
-    parts = [slice(start, start + CHUNK) for start in range(0, max(rows, 1), CHUNK)]
-    return np.concatenate(mapped(function, parts, threads))
+    return np.concatenate(mapped(function, slices(rows), threads))
 
 
-def available() -> int:
-    """Return how many threads this process is to use: OMP_NUM_THREADS if set, as for BLAS, else its number of cores."""
-    asked = os.environ.get("OMP_NUM_THREADS", "")
-    if asked.isdecimal() and int(asked):
-        return int(asked)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def slices(rows: int) -> list[slice]:
+    """Return slices of `CHUNK` rows that cover so many, at least one.
+
+    >>> slices(20000)
+    [slice(0, 16384, None), slice(16384, 20000, None)]
+    """
+    return [slice(start, min(start + CHUNK, rows)) for start in range(0, max(rows, 1), CHUNK)]

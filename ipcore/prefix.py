@@ -55,8 +55,8 @@ class Fitted:
 class PrefixFit(Protocol):
     """How the polynomial of so many columns is found: what `DegreeSearch` searches with."""
 
-    def raise_to(self, alpha: int) -> Fitted:
-        """Return the fit with the first α columns, more than the last time."""
+    def raise_to(self, alpha: int) -> Fitted | None:
+        """Return the fit with the first α columns, more than the last time; None if they cannot be told apart."""
         ...
 
     def orthogonality_loss(self, columns: int) -> float | None:

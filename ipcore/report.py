@@ -2,12 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 from ipcore.boundedness import is_bounded
-from ipcore.criteria import Closeness
+from ipcore.closeness import closeness, moved
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
@@ -50,14 +47,13 @@ def diagnose(
     """Deliver a polynomial of the normalised frame: change basis and coordinates, and measure what comes out."""
     fitted, weights = best.polynomial, best.weights
     local = fitted.to_monomial() if options.basis is Basis.MONOMIAL else fitted.to_chebyshev()
-    f, gradient = local.value_and_gradient(data.points)
-    at = Closeness.of(f, gradient, data.normals, weights)
+    at = closeness(local, data, weights)
     stray, components = _survey(local, data) if options.measure_zero_set else (None, None)
     diagnostics = Diagnostics(
         at.d_dist,
         at.d_smooth,
-        float(np.quantile(at.distances, 0.95)),
-        float(at.distances.max()),
+        at.p95,
+        at.farthest,
         stray,
         components,
         data.source,
@@ -68,24 +64,18 @@ def diagnose(
         best.unsure,
         None if weights is None else float((weights == 0.0).mean()),
     )
-    moved = _moved(fitted, f, gradient, data.points)
-    return Diagnosis(data.to_raw(local), diagnostics, tuple(_warnings(diagnostics, reason, moved)))
+    warnings = _warnings(diagnostics, reason, moved(fitted, local, data))
+    return Diagnosis(data.to_raw(local), diagnostics, tuple(warnings))
 
 
 def _survey(local: ImplicitPolynomial, data: OrientedPoints) -> tuple[float | None, int]:
     """Extract the zero set once, coarsely; return its stray share and its number of components."""
     resolution = SURVEY_RESOLUTION[local.dimension]
-    whole = zero_set(local, resolution=resolution, data=data.points, restrict=False, cap=False)
+    whole = zero_set(local, resolution=resolution, data=data.thinned.points, restrict=False, cap=False)
     return whole.stray, whole.components
 
 
-def _moved(fitted: ImplicitPolynomial, f: FloatArray, gradient: FloatArray, points: FloatArray) -> float:
-    """Return how far the delivered zero set lies from the fitted one at the data, at most, in mean radii."""
-    size = np.maximum(np.linalg.norm(gradient, axis=1), np.finfo(float).tiny)
-    return float((np.abs(fitted(points) - f) / size).max())
-
-
-def _warnings(diagnostics: Diagnostics, reason: StopReason, moved: float) -> list[str]:
+def _warnings(diagnostics: Diagnostics, reason: StopReason, shift: float) -> list[str]:
     warnings = [] if reason in AS_ASKED else [reason.advice]
     if diagnostics.normal_self_check < TRUSTED_NORMALS:
         warnings.append(
@@ -111,9 +101,9 @@ def _warnings(diagnostics: Diagnostics, reason: StopReason, moved: float) -> lis
             f"Eq. (5) has lost orthogonality, ‖QᵀQ − I‖ = {diagnostics.orthogonality_loss:.1e}: the coefficients are "
             "not those of least squares. The block factorisation does not lose it."
         )
-    if moved > DELIVERY_TOLERANCE:
+    if shift > DELIVERY_TOLERANCE:
         warnings.append(
-            f"The monomial coefficients move the zero set by up to {moved:.1e} mean radii at the data: "
+            f"The monomial coefficients move the zero set by up to {shift:.1e} mean radii at the data: "
             "ask for the Chebyshev basis."
         )
     return warnings

@@ -18,6 +18,7 @@ class StopReason(StrEnum):
     PLANAR = "planar"
     CRITERION_MINIMUM = "criterion-minimum"
     DEGREE_REACHED = "degree-reached"
+    ILL_CONDITIONED = "ill-conditioned"
 
     @property
     def advice(self) -> str:
@@ -34,6 +35,8 @@ _ADVICE = {
     StopReason.PLANAR: "All points lie on one plane: degree 1 represents it, and no higher degree is determined.",
     StopReason.CRITERION_MINIMUM: "The criterion has passed its minimum, and the fit at the minimum is returned.",
     StopReason.DEGREE_REACHED: "The degree that was asked for is reached.",
+    StopReason.ILL_CONDITIONED: "Moments alone do not determine the next degree, and the best fit so far is returned: "
+    "fit the points themselves, or raise t1.",
 }
 
 

@@ -9,6 +9,7 @@ from time import perf_counter
 
 from ipcore import criteria, monomials
 from ipcore.choices import Criterion, Granularity
+from ipcore.closeness import closeness
 from ipcore.criteria import Closeness
 from ipcore.judges import Judge
 from ipcore.options import FitOptions
@@ -44,22 +45,26 @@ def stops(dimension: int, cap: int, granularity: Granularity) -> Sequence[int]:
 class DegreeSearch:
     """The loop over stops: each is fitted, measured and kept in the trace; the best is remembered."""
 
-    def __init__(self, data: OrientedPoints, options: FitOptions, fit: PrefixFit, judge: Judge) -> None:
+    def __init__(self, data: OrientedPoints, options: FitOptions, way: PrefixFit, judge: Judge) -> None:
         """Search on these data with this way to fit and this judge."""
         self.steps: list[Step] = []
-        self._data, self._options = data, options
-        self._fit, self._judge = fit, judge
+        self.data, self.options, self.way = data, options, way
+        self._judge = judge
 
     def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
         """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
-        count, dimension = self._data.points.shape
+        count, dimension = self.data.count, self.data.points.shape[1]
         best: tuple[float, Fitted, Step] | None = None
         reason = self._judge.exhausted
         for alpha in alphas:
             if best is not None and alpha > max(count, dimension + 1):
                 reason = StopReason.TOO_FEW_POINTS
                 break
-            fitted, step = self._try(alpha)
+            tried = self._try(alpha)
+            if tried is None:
+                reason = StopReason.ILL_CONDITIONED
+                break
+            fitted, step = tried
             score = self._judge.score(step)
             if best is None or score < best[0]:
                 best = score, fitted, step
@@ -73,17 +78,19 @@ class DegreeSearch:
             raise ValueError("a search needs at least one stop")
         return Found(best[1], best[2], reason)
 
-    def _try(self, alpha: int) -> tuple[Fitted, Step]:
+    def _try(self, alpha: int) -> tuple[Fitted, Step] | None:
+        """Return the fit and what is noted of it; None if there is none with so many columns."""
         started = perf_counter()
-        fitted = self._fit.raise_to(alpha)
-        seen = fitted.polynomial.value_and_gradient(self._data.points)
-        at = Closeness.of(*seen, self._data.normals, fitted.weights)
+        fitted = self.way.raise_to(alpha)
+        if fitted is None:
+            return None
+        at = closeness(fitted.polynomial, self.data, fitted.weights)
         step = self._step(fitted, at, started)
         self.steps.append(step)
         return fitted, step
 
     def _step(self, fitted: Fitted, at: Closeness, started: float) -> Step:
-        asked = self._options.criterion is Criterion.BIC
+        asked = self.options.criterion is Criterion.BIC
         return Step(
             degree=fitted.polynomial.degree,
             columns=fitted.columns,

@@ -28,7 +28,18 @@ _FAMILIES: dict[Constraints, Callable[[FloatArray, FloatArray, FitOptions], Rows
     Constraints.TAUBIN: lambda x, _n, _o: taubin.rows(x),
 }
 
+_LAYERED: dict[Constraints, Callable[[float], tuple[float, ...]]] = {
+    Constraints.THREE_LAYER: three_layer.offsets,
+    Constraints.FIVE_LAYER: five_layer.offsets,
+}
+
 
 def rows(points: FloatArray, normals: FloatArray, options: FitOptions) -> Rows:
     """Return the rows of the chosen family; points and unit outward normals (N, d) in the normalised frame."""
     return _FAMILIES[options.constraints](points, normals, options)
+
+
+def offsets(options: FitOptions) -> tuple[float, ...]:
+    """Return the layers' offsets, in mean radii, of a family that asks for nothing but f on layers; else nothing."""
+    layered = _LAYERED.get(options.constraints)
+    return () if layered is None else layered(options.layer_distance)

@@ -11,6 +11,11 @@ from ipcore._typing import FloatArray
 from ipcore.constraints.rows import Rows, layers
 
 
+def offsets(distance: float) -> tuple[float, ...]:
+    """Return where the layers lie, in mean radii: what f is asked to be there."""
+    return (0.0, distance, -distance, distance / 2.0, -distance / 2.0)
+
+
 def rows(points: FloatArray, normals: FloatArray, distance: float) -> Rows:
     """Return the rows of five layers; points and normals (N, d) in the normalised frame, `distance` c in mean radii.
 
@@ -18,4 +23,4 @@ def rows(points: FloatArray, normals: FloatArray, distance: float) -> Rows:
     >>> rows(np.array([[1.0, 0.0]]), np.array([[1.0, 0.0]]), 0.1).b(1).tolist()
     [0.0, 0.1, -0.1, 0.05, -0.05]
     """
-    return Rows(layers(points, normals, (0.0, distance, -distance, distance / 2.0, -distance / 2.0)))
+    return Rows(layers(points, normals, offsets(distance)))

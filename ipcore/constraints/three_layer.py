@@ -13,6 +13,11 @@ from ipcore._typing import FloatArray
 from ipcore.constraints.rows import Rows, layers
 
 
+def offsets(distance: float) -> tuple[float, ...]:
+    """Return where the layers lie, in mean radii: what f is asked to be there."""
+    return (0.0, distance, -distance)
+
+
 def rows(points: FloatArray, normals: FloatArray, distance: float) -> Rows:
     """Return the rows of three layers.
 
@@ -31,4 +36,4 @@ def rows(points: FloatArray, normals: FloatArray, distance: float) -> Rows:
     ([[[1.0, 0.0]], [[1.05, 0.0]], [[0.95, 0.0]]], [0.0, 0.05, -0.05])
 
     """
-    return Rows(layers(points, normals, (0.0, distance, -distance)))
+    return Rows(layers(points, normals, offsets(distance)))

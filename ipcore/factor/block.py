@@ -40,7 +40,7 @@ class BlockGramSchmidt(Factorisation):
     def _judge(self, R: FloatArray, sizes: FloatArray) -> tuple[BoolArray, BoolArray]:
         """Return which columns to keep and which to damp."""
         policy = self._policy
-        new = _independent(R, (0.0 if policy.collinear is Collinear.KEEP else policy.tolerance) * sizes)
+        new = independent(R, (0.0 if policy.collinear is Collinear.KEEP else policy.tolerance) * sizes)
         kept = np.ones_like(new) if policy.collinear is Collinear.RIDGE else new
         damped = kept if policy.full else kept & ~new
         return kept, damped
@@ -63,7 +63,7 @@ class BlockGramSchmidt(Factorisation):
         return S, W
 
 
-def _independent(R: FloatArray, smallest: FloatArray) -> BoolArray:
+def independent(R: FloatArray, smallest: FloatArray) -> BoolArray:
     """Return which columns of a triangular factor (k, k) to keep, leaving out one by one those with |r_ii| too small.
 
     Whatever the direction of a left-out column's rounding noise was, the columns after it get it back before they are

@@ -8,11 +8,11 @@ from ipcore import Constraints, FitOptions, StopReason, monomials, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
 from ipcore.judges import LOOK_AHEAD, judge
-from ipcore.linear import prefix_fit
 from ipcore.oriented import OrientedPoints
 from ipcore.points import check as check_points
 from ipcore.prefix import Fitted
 from ipcore.search import DegreeSearch, stops
+from ipcore.ways import linear
 
 QUICK = FitOptions(measure_zero_set=False)
 
@@ -106,7 +106,7 @@ def test_ridge_and_monomials_can_be_had_in_the_chebyshev_basis() -> None:
 def test_a_search_needs_somewhere_to_look() -> None:
     options = FitOptions()
     data = OrientedPoints.of(check_points(*shapes.circle().sample(20)), 12)
-    search = DegreeSearch(data, options, prefix_fit(data, options, 1), judge(options))
+    search = DegreeSearch(data, options, linear(data, options, 1), judge(options))
     with pytest.raises(ValueError, match="at least one stop"):
         search.run([], None)
 
@@ -119,10 +119,11 @@ def test_a_way_to_fit_can_be_plugged_in() -> None:
         """Fits linearly, then makes something else of it, as a refinement does: the same zero set from f/2."""
 
         def __init__(self) -> None:
-            self._linear = prefix_fit(data, FitOptions(), 4)
+            self._linear = linear(data, FitOptions(), 4)
 
         def raise_to(self, alpha: int) -> Fitted:
             step = self._linear.raise_to(alpha)
+            assert step is not None
             return replace(step, polynomial=replace(step.polynomial, coefficients=step.polynomial.coefficients / 2.0))
 
         def orthogonality_loss(self, columns: int) -> float | None:

@@ -1,0 +1,241 @@
+"""A point set as sums that add: it can be extended, merged and fitted again without its points."""
+
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from pathlib import Path
+from typing import IO, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ipcore import parallel
+from ipcore import points as pointset
+from ipcore._typing import FloatArray
+from ipcore.answer import answer
+from ipcore.choices import Factor
+from ipcore.compressed import CompressedFit
+from ipcore.constraints import families
+from ipcore.digest import sha256
+from ipcore.errors import InvalidOptionsError, InvalidPointsError
+from ipcore.frame import Frame
+from ipcore.judges import judge
+from ipcore.layers import LayerMoments
+from ipcore.options import HIGHEST_DEGREE, FitOptions
+from ipcore.oriented import OrientedPoints
+from ipcore.ranges import integer
+from ipcore.result import FitResult
+from ipcore.sample import Sample
+from ipcore.search import DegreeSearch, Progress, stops
+from ipcore.triangle import Triangle
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """The moments of a point set's layers (see `ipcore.layers`), with a sample of it.
+
+    Attributes
+    ----------
+    frame
+        The normalised frame. It stays that of the first points: moments in different frames do not add.
+    layers
+        The sums, in the frame.
+    box
+        (2, d), raw: lower and upper corner of all points.
+    sample
+        50,000 points at most, raw, with unit normals: what D_dist, D_smooth and stray are measured at.
+
+    Examples
+    --------
+    >>> from ipcore import shapes
+    >>> points, normals = shapes.torus().sample(2000)
+    >>> first = Moments.of(points[:1500], normals[:1500], degree=6)
+    >>> both = first.extended(points[1500:], normals[1500:])
+    >>> both.count, both.fit().degree
+    (2000, 4)
+
+    """
+
+    frame: Frame
+    layers: LayerMoments
+    box: FloatArray
+    sample: Sample
+
+    @classmethod
+    def of(  # noqa: PLR0913 - of what, how far, where, and with what
+        cls,
+        points: ArrayLike,
+        normals: ArrayLike,
+        *,
+        degree: int,
+        options: FitOptions | None = None,
+        frame: Frame | None = None,
+        threads: int | None = None,
+    ) -> Self:
+        """Return the moments of points.
+
+        Parameters
+        ----------
+        points, normals
+            (N, d) each, raw; normals outward, of any length.
+        degree
+            The highest degree n that can be fitted. Size and time grow with the number of moments, C(2n + d, d).
+        options
+            `constraints`, 3l or 5l, and `layer_distance`; nothing else is used.
+        frame
+            The normalised frame; by default that of these points. Sets that will be merged need the same one.
+        threads
+            As for `ipcore.fit`.
+
+        Raises
+        ------
+        InvalidPointsError, InvalidNormalsError, InvalidOptionsError
+            If the points cannot be fitted, or the options ask for what is not a matter of moments.
+
+        """
+        offsets = families.offsets(options or FitOptions())
+        if not offsets:
+            raise InvalidOptionsError("moments are for constraints 3l and 5l", ("constraints",))
+        x = pointset.check(points).points
+        integer("degree", degree, 1, HIGHEST_DEGREE[x.shape[1]])
+        empty = LayerMoments.empty(x.shape[1], degree, offsets)
+        start = cls(frame or Frame.of(x), empty, np.stack([x.min(axis=0), x.max(axis=0)]), Sample.empty(x.shape[1]))
+        return start.extended(x, normals, threads=threads)
+
+    @property
+    def count(self) -> int:
+        """Return N, the number of points."""
+        return self.layers.count
+
+    @property
+    def degree(self) -> int:
+        """Return the highest degree that can be fitted."""
+        return self.layers.degree
+
+    def extended(self, points: ArrayLike, normals: ArrayLike, *, threads: int | None = None) -> Self:
+        """Return the moments of these points and more, (n, d) each, raw. The cost is that of the new ones alone.
+
+        Raises
+        ------
+        InvalidPointsError, InvalidNormalsError
+            If something is wrong with them.
+
+        """
+        x = pointset.matrix("points", points, InvalidPointsError)
+        if x.shape[1] != self.box.shape[1]:
+            raise InvalidPointsError(f"points must have {self.box.shape[1]} columns, not {x.shape[1]}", ("points",))
+        n = pointset.unit(normals, x)
+        if not len(x):
+            return self
+        box = np.stack([x.min(axis=0), x.max(axis=0)])
+        with parallel.using(threads):
+            layers = reduce(add, parallel.ordered(self._layers, ((x[s], n[s]) for s in parallel.slices(len(x)))))
+        return self + Moments(self.frame, layers, box, Sample.of(x, n))
+
+    def __add__(self, other: "Moments") -> Self:
+        """Return the moments of both sets together.
+
+        Raises
+        ------
+        InvalidOptionsError
+            If frame, degree or layers are not the same.
+
+        """
+        same = np.array_equal(self.frame.centre, other.frame.centre) and self.frame.scale == other.frame.scale
+        if not same or (self.degree, self.layers.offsets) != (other.degree, other.layers.offsets):
+            raise InvalidOptionsError("moments add only in the same frame, up to the same degree, on the same layers")
+        box = np.stack([np.minimum(self.box[0], other.box[0]), np.maximum(self.box[1], other.box[1])])
+        return type(self)(self.frame, self.layers + other.layers, box, self.sample.with_more(other.sample))
+
+    def fit(self, options: FitOptions | None = None, *, progress: Progress | None = None) -> FitResult:
+        """Fit a polynomial whose degree finds itself, from the moments alone.
+
+        It is the linear fit of all points to rounding, up to the degree where squaring the condition would show: there
+        the search ends as `ill-conditioned`. D_dist, D_smooth and what else is said of the data is measured at the
+        sample, and the digest of the input is that of the sample, too.
+
+        Parameters
+        ----------
+        options
+            See `FitOptions`. What only the points themselves can give is refused: sign constraints, the geometric fit,
+            other factorisations, leaving points out. By default a linear fit.
+        progress
+            As for `ipcore.fit`.
+
+        Raises
+        ------
+        InvalidOptionsError
+            If the options ask for what moments cannot give, or for other layers or a higher degree than they are of.
+
+        """
+        asked = options or FitOptions(factor=Factor.MOMENTS)
+        self._check(asked)
+        top = min(asked.max_degree or self.degree, self.degree)
+        data = OrientedPoints.sampled(self.sample, self.frame, self.box, self.count)
+        way = CompressedFit(data, asked, top, self)
+        search = DegreeSearch(data, asked, way, judge(asked))
+        digest = sha256(self.sample.points, self.sample.normals)
+        return answer(search, stops(self.layers.dimension, top, asked.granularity), progress, digest)
+
+    def _layers(self, piece: tuple[FloatArray, FloatArray]) -> LayerMoments:
+        x, n = piece
+        return LayerMoments.of(self.frame.to_local(x), n, self.degree, self.layers.offsets)
+
+    def _check(self, options: FitOptions) -> None:
+        """Refuse options that ask for what moments cannot give."""
+        if not options.is_linear or options.needs_rows or options.factor not in {Factor.AUTO, Factor.MOMENTS}:
+            raise InvalidOptionsError(
+                "moments give linear fits only, with factor auto or moments and no point left out: set geometric to "
+                "false, or fit the points themselves",
+                ("geometric",),
+            )
+        if families.offsets(options) != self.layers.offsets:
+            raise InvalidOptionsError(f"these are moments of layers at {self.layers.offsets}", ("layer_distance",))
+        if (options.max_degree or 0) > self.degree:
+            raise InvalidOptionsError(
+                f"these moments reach up to degree {self.degree}, not {options.max_degree}", ("max_degree",)
+            )
+
+    def squared(self, degree: int) -> Triangle:  # noqa: ARG002 - all there is
+        """Return the triangle of all layers' rows, for as many columns as can be factored."""
+        return self.layers.triangle()
+
+    def exact(self, degree: int) -> None:
+        """Return None: the rows are not there any more."""
+
+    def gradients(self, degree: int, A: FloatArray) -> None:
+        """Return None: the rows are not there any more."""
+
+    def save(self, file: str | Path | IO[bytes]) -> None:
+        """Write everything to an npz file."""
+        np.savez(
+            file,
+            centre=self.frame.centre,
+            scale=self.frame.scale,
+            degree=self.degree,
+            offsets=self.layers.offsets,
+            count=self.count,
+            sums=self.layers.sums,
+            box=self.box,
+            points=self.sample.points,
+            normals=self.sample.normals,
+        )
+
+    @classmethod
+    def load(cls, file: str | Path | IO[bytes]) -> Self:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        InvalidPointsError
+            If it is something else.
+
+        """
+        try:
+            with np.load(file, allow_pickle=False) as parts:
+                frame = Frame(parts["centre"], float(parts["scale"]))
+                offsets = tuple(parts["offsets"].tolist())
+                layers = LayerMoments(int(parts["degree"]), offsets, int(parts["count"]), parts["sums"])
+                return cls(frame, layers, parts["box"], Sample.of(parts["points"], parts["normals"]))
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise InvalidPointsError(f"not a file of moments: {error}") from error

@@ -1,0 +1,85 @@
+"""Where a compressed fit gets its triangles from: the data, part by part."""
+
+from collections.abc import Iterator
+from functools import partial, reduce
+from operator import add
+from typing import Protocol
+
+import numpy as np
+
+from ipcore import layers, monomials, parallel
+from ipcore._typing import FloatArray
+from ipcore.basis import Basis
+from ipcore.constraints import families
+from ipcore.layers import LayerMoments
+from ipcore.options import FitOptions
+from ipcore.oriented import OrientedPoints, Part
+from ipcore.system import System
+from ipcore.triangle import Triangle
+
+ROWS = 4096  # of M at once: 32 MB at degree 16 in 3D
+
+
+class RowSource(Protocol):
+    """The rows of a linear system, known by what can be summed over them."""
+
+    def squared(self, degree: int) -> Triangle:
+        """Return the triangle by way of MᵀM, for the columns up to this degree or as many as can be factored."""
+        ...
+
+    def exact(self, degree: int) -> Triangle | None:
+        """Return the triangle of the rows themselves; None if they are not there any more."""
+        ...
+
+    def gradients(self, degree: int, A: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """Return Mᵀ(b − M a) (m, p) and ‖b − M a‖² (p,) for the columns a of A (m, p), from the rows themselves.
+
+        None if they are not there any more.
+        """
+        ...
+
+
+class DataRows:
+    """The rows that a constraint family makes of the data, a part at a time."""
+
+    def __init__(self, data: OrientedPoints, options: FitOptions) -> None:
+        """Take the data; of the options, what concerns the rows."""
+        self._data, self._options = data, options
+
+    def squared(self, degree: int) -> Triangle:
+        """Return the triangle by way of MᵀM."""
+        of = partial(_moments, degree, families.offsets(self._options))
+        return reduce(add, parallel.ordered(of, self._data.parts())).triangle()
+
+    def exact(self, degree: int) -> Triangle:
+        """Return the triangle of the rows themselves."""
+        of = partial(_triangle, degree, self._options, self._data.bounds)
+        return reduce(Triangle.joined, parallel.ordered(of, self._data.parts()))
+
+    def gradients(self, degree: int, A: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return Mᵀ(b − M a) (m, p) and ‖b − M a‖² (p,) for the columns a of A (m, p)."""
+        of = partial(_gradients, degree, families.offsets(self._options), A)
+        g, rss = zip(*parallel.ordered(of, self._data.parts()), strict=True)
+        return np.add.reduce(g), np.add.reduce(rss)
+
+
+def _moments(degree: int, offsets: tuple[float, ...], part: Part) -> LayerMoments:
+    return LayerMoments.of(part.points, part.normals, degree, offsets)
+
+
+def _gradients(degree: int, offsets: tuple[float, ...], A: FloatArray, part: Part) -> tuple[FloatArray, FloatArray]:
+    return layers.gradients(part.points, part.normals, degree, offsets, A)
+
+
+def _triangle(degree: int, options: FitOptions, bounds: FloatArray, part: Part) -> Triangle:
+    m = monomials.count(part.points.shape[1], degree)
+
+    def chunks() -> Iterator[tuple[FloatArray, FloatArray]]:
+        groups = families.rows(part.points[:1], part.normals[:1], options).groups
+        size = max(1, ROWS // len(groups))
+        for start in range(0, len(part.points), size):
+            some = slice(start, start + size)
+            rows = families.rows(part.points[some], part.normals[some], options)
+            yield System(rows, Basis.MONOMIAL, bounds, degree).columns(0, m), rows.b(degree)
+
+    return Triangle.of_rows(m, chunks())

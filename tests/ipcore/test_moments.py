@@ -1,0 +1,104 @@
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ipcore
+from ipcore import FitOptions, Moments, shapes
+from ipcore._typing import FloatArray
+from ipcore.errors import InvalidOptionsError, InvalidPointsError
+
+OPTIONS = FitOptions.of(factor="moments", max_degree=8, measure_zero_set=False)
+
+
+def rough(count: int = 6000) -> tuple[FloatArray, FloatArray]:
+    points, normals = shapes.genus_two().sample(count)
+    moved = points + np.random.default_rng(0).normal(scale=0.01, size=points.shape)
+    return 37.0 * moved + [1000.0, -5.0, 3.0], normals
+
+
+def test_moments_give_the_fit_of_the_points() -> None:
+    points, normals = rough()
+    whole = ipcore.fit(points, normals, OPTIONS)
+    alone = Moments.of(points, 2.0 * normals, degree=8).fit(OPTIONS)
+    assert (alone.degree, alone.stop_reason) == (whole.degree, whole.stop_reason)
+    np.testing.assert_allclose(alone.polynomial(points), whole.polynomial(points), atol=1e-9)
+    assert alone.diagnostics.d_dist == pytest.approx(whole.diagnostics.d_dist, rel=1e-9)  # the sample is all of them
+
+
+def test_merged_and_extended_moments_equal_those_of_the_whole() -> None:
+    points, normals = rough()
+    whole = Moments.of(points, normals, degree=6)
+    a, b, c = ((points[s], normals[s]) for s in (slice(0, 1000), slice(1000, 2500), slice(2500, None)))
+    first, second, third = (Moments.of(*part, degree=6, frame=whole.frame) for part in (a, b, c))
+    for merged in (first + second + third, third + first + second, first.extended(*b).extended(*c)):
+        assert merged.count == whole.count
+        np.testing.assert_array_equal(merged.box, whole.box)
+        np.testing.assert_array_equal(merged.sample.points, whole.sample.points)
+        scale = np.abs(whole.layers.sums).max()
+        np.testing.assert_allclose(merged.layers.sums, whole.layers.sums, atol=1e-13 * scale)
+        # the same fit to rounding, magnified by the square of the condition
+        np.testing.assert_allclose(merged.fit().polynomial(points), whole.fit().polynomial(points), atol=1e-9)
+
+
+def test_nothing_is_added_by_no_points() -> None:
+    points, normals = rough(500)
+    some = Moments.of(points, normals, degree=3)
+    assert some.extended(np.zeros((0, 3)), np.zeros((0, 3))) is some
+
+
+@pytest.mark.parametrize("place", ["file", "memory"])
+def test_saved_moments_are_read_back(place: str, tmp_path: Path) -> None:
+    points, normals = rough(800)
+    some = Moments.of(points, normals, degree=4)
+    target = tmp_path / "moments.npz" if place == "file" else BytesIO()
+    some.save(target)
+    if isinstance(target, BytesIO):
+        target.seek(0)
+    again = Moments.load(target)
+    np.testing.assert_array_equal(again.layers.sums, some.layers.sums)
+    assert (again.count, again.degree, again.layers.offsets) == (800, 4, some.layers.offsets)
+    np.testing.assert_array_equal((again + some).box, some.box)
+    np.testing.assert_array_equal(again.fit().polynomial.coefficients, some.fit().polynomial.coefficients)
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "other.npz", points=np.zeros((3, 2)))
+    with pytest.raises(InvalidPointsError, match="not a file of moments"):
+        Moments.load(tmp_path / "other.npz")
+    (tmp_path / "text.npz").write_text("no archive")
+    with pytest.raises(InvalidPointsError, match="not a file of moments"):
+        Moments.load(tmp_path / "text.npz")
+
+
+def test_moments_that_do_not_belong_together_do_not_add() -> None:
+    points, normals = rough(500)
+    some = Moments.of(points, normals, degree=4)
+    thick = FitOptions(layer_distance=0.1)
+    for other in (
+        Moments.of(points[:400], normals[:400], degree=4),
+        Moments.of(points, normals, degree=5),
+        Moments.of(points, normals, degree=4, options=thick),
+    ):
+        with pytest.raises(InvalidOptionsError, match="moments add only"):
+            _ = some + other
+
+
+def test_what_moments_cannot_give_is_refused() -> None:
+    points, normals = rough(500)
+    some = Moments.of(points, normals, degree=4)
+    refused = {
+        "linear fits only": FitOptions(max_degree=4),
+        "reach up to degree 4": FitOptions.of(geometric=False, max_degree=5),
+        "moments of layers at": FitOptions.of(geometric=False, layer_distance=0.1),
+    }
+    for words, options in refused.items():
+        with pytest.raises(InvalidOptionsError, match=words):
+            some.fit(options)
+    with pytest.raises(InvalidOptionsError, match="linear fits only"):
+        some.fit(FitOptions.of(criterion="loo"))
+    with pytest.raises(InvalidOptionsError, match="3l and 5l"):
+        Moments.of(points, normals, degree=4, options=FitOptions.of(constraints="taubin"))
+    with pytest.raises(InvalidPointsError, match="3 columns"):
+        some.extended(points[:, :2], normals[:, :2])
