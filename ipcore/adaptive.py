@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from importlib.metadata import version
 
 from numpy.typing import ArrayLike
@@ -136,9 +137,15 @@ def _searched(
         diagnosis.diagnostics,
         diagnosis.warnings,
         options,
-        version("ipfit"),
+        _version(),
         sha256(given),
     )
+
+
+@cache
+def _version() -> str:
+    """Return the library's version; to read it takes as long as a small fit's zero set."""
+    return version("ipfit")
 
 
 def _way(data: OrientedPoints, options: FitOptions, top: int) -> PrefixFit:

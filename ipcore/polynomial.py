@@ -226,7 +226,8 @@ class ImplicitPolynomial:
 
     def _differentiate(self, tensor: FloatArray, axis: int) -> FloatArray:
         D = univariate.differentiation(self.basis, self.degree) / self._axes[1][axis]
-        return np.moveaxis(np.tensordot(D, tensor, axes=(1, axis)), 0, axis)
+        rows = tensor.reshape(len(D) ** axis, len(D), -1)  # the axes before it, it, and those behind
+        return np.asarray(np.matmul(D, rows).reshape(tensor.shape))
 
     def _evaluate(self, tensors: FloatArray, x: FloatArray) -> FloatArray:
         x = self._checked(x)
