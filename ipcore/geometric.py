@@ -92,7 +92,7 @@ class Objective:
         self.angle_weight, self.blend = angle_weight, blend
         d = data.dimension
         self.columns = monomials.count(d, degree)
-        self._pairs = np.triu_indices(1 + d)
+        self._pairs = np.triu_indices(d)
         self._place = gram.position(monomials.exponents(d, degree), degree)
         D = [gram.differentiation(d, degree, k) / half for k, half in enumerate(data.half)]
         self._Dt = [M.toarray().T.copy() if self.columns <= DENSE else M.T.tocsr() for M in D]
@@ -115,9 +115,9 @@ class Objective:
 
     def normal_equations(self, look: Look) -> tuple[FloatArray, FloatArray]:
         """Return the Gauss–Newton matrix H (m, m) and r (m,), half the negative gradient of φ."""
-        rows = self._rows(look)
-        mu = gram.moments(self.data.tables(2 * self.degree), self._second(look, rows))
-        first = gram.moments(self.data.tables(self.degree), self._first(look, rows))[self._place]
+        u = self._bend(look)
+        mu = gram.moments(self.data.tables(2 * self.degree), self._second(look, u))
+        first = gram.moments(self.data.tables(self.degree), self._first(look, u))[self._place]
         r = -first[:, 0] - sum(D @ b for D, b in zip(self._Dt, first.T[1:], strict=True))
         for places, v in zip(self.signs, look.shortfalls, strict=True):
             mu[:, :1] += places.active(v, self.degree)
@@ -131,34 +131,34 @@ class Objective:
         w = self.data.weights
         return float(w @ (np.abs(look.distance) / length)), float(w @ cosine)
 
-    def _rows(self, look: Look) -> FloatArray:
-        """Return u (1 + d, N): the row of f/S is Σ_k u_k ∂_k P, with ∂_0 = 1."""
-        u = np.empty((1 + len(look.direction), len(look.size)))
-        np.divide(1.0, look.size, out=u[0])
-        np.multiply(-self.blend * look.distance * u[0], look.direction, out=u[1:])
-        return u
+    def _bend(self, look: Look) -> FloatArray:
+        """Return u (N,): the row of f/S is P/S + u ĝ·∇P."""
+        return -self.blend * look.distance / look.size
 
-    def _second(self, look: Look, rows: FloatArray) -> FloatArray:
-        """Return the weights (p, N) of the Gram matrices G_kl, k ≤ l."""
-        t, g, u = self.blend, look.direction, rows
-        scale = self.angle_weight * u[0] ** 2
-        turn = scale * (2.0 * t - t**2 * np.einsum("kn,kn->n", g, g))  # (I − t ĝĝᵀ)² = I − (2t − t²‖ĝ‖²) ĝĝᵀ
-        k, j = self._pairs
-        out = u[k] * u[j]
-        both = k > 0
-        out[both] += np.where((k == j)[both, None], scale, 0.0) - turn * g[k[both] - 1] * g[j[both] - 1]
-        out *= self.data.weights
+    def _second(self, look: Look, u: FloatArray) -> FloatArray:
+        """Return the weights (p, N) of the Gram matrices G_kl, k ≤ l.
+
+        From the row of f/S squared, and (I − t ĝĝᵀ)² = I − (2t − t²‖ĝ‖²) ĝĝᵀ.
+        """
+        t, g, w, (k, j) = self.blend, look.direction, self.data.weights, self._pairs
+        scale = self.angle_weight * w / look.size**2
+        out = np.empty((1 + len(g) + len(k), len(w)))
+        out[0] = w / look.size**2
+        np.multiply(w * u / look.size, g, out=out[1 : 1 + len(g)])
+        bent = w * u**2 - scale * (2.0 * t - t**2 * np.einsum("kn,kn->n", g, g))
+        np.multiply(bent * g[k], g[j], out=out[1 + len(g) :])
+        out[1 + len(g) :][k == j] += scale
         return out
 
-    def _first(self, look: Look, rows: FloatArray) -> FloatArray:
+    def _first(self, look: Look, u: FloatArray) -> FloatArray:
         """Return the weights (1 + d, N) of the first moments: half the gradient of the data's terms is Σ D_kᵀ b_k."""
-        t, g = self.blend, look.direction
+        t, g, w = self.blend, look.direction, self.data.weights
         short = g - self.data.normals
-        short -= t * np.einsum("kn,kn->n", g, short) * g
-        short *= self.angle_weight * rows[0]
-        out = rows * look.distance
-        out[1:] += short
-        out *= self.data.weights
+        bent = w * u * look.distance - t * self.angle_weight * w / look.size * np.einsum("kn,kn->n", g, short)
+        out = np.empty((1 + len(g), len(w)))
+        out[0] = w * look.distance / look.size
+        np.multiply(self.angle_weight * w / look.size, short, out=out[1:])
+        out[1:] += bent * g
         return out
 
     def _assembled(self, G: FloatArray) -> FloatArray:
