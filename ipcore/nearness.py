@@ -5,7 +5,7 @@ from scipy.spatial import cKDTree
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.frame import Frame
-from ipcore.nearest import nearest
+from ipcore.nearest import FEW, nearest
 from ipcore.parallel import by_rows
 
 # What is near the data, in mean radii and in point spacings, when stray parts are measured: chosen over 37 shapes so
@@ -58,14 +58,14 @@ def remoteness(x: FloatArray, data: FloatArray, threads: int | None = None) -> I
 def exceeded(tree: cKDTree, x: FloatArray, radii: tuple[float, ...], threads: int | None = None) -> IntArray:
     """Return how many of some ascending distances are less than that from x (n, d) to the nearest point of the tree.
 
-    The tree is asked for the middles of cubic bins, and for a point itself only where its bin reaches across one of the
-    distances.
+    Unless there are few, the tree is asked for the middles of cubic bins, and for a point itself only where its bin
+    reaches across one of the distances.
 
     >>> exceeded(cKDTree([[0.0, 0.0]]), np.array([[0.5, 0.0], [1.5, 0.0], [2.5, 0.0]]), (1.0, 2.0)).tolist()
     [0, 1, 2]
     """
-    if not len(x):
-        return np.zeros(0, dtype=np.intp)
+    if len(x) <= FEW:
+        return np.searchsorted(radii, nearest(tree, x, threads=threads)[0])
     lower, upper = x.min(axis=0), x.max(axis=0)
     side = max(float((upper - lower).max()) / BINS, SMALLEST * float(np.abs(x).max())) or 1.0
     counts = tuple(((upper - lower) // side).astype(np.intp) + 1)
