@@ -1,6 +1,7 @@
 """What every way in ends with: search for the degree, look at the fit as it is delivered, say what was found."""
 
 from collections.abc import Sequence
+from functools import cache
 from importlib.metadata import version
 
 from ipcore.report import diagnose
@@ -20,6 +21,12 @@ def answer(search: DegreeSearch, alphas: Sequence[int], progress: Progress | Non
         diagnosis.diagnostics,
         diagnosis.warnings,
         search.options,
-        version("ipfit"),
+        _version(),
         input_sha256,
     )
+
+
+@cache
+def _version() -> str:
+    """Return the library's version; to read it takes as long as a small fit's zero set."""
+    return version("ipfit")

@@ -48,9 +48,10 @@ def refine(objective: LeastSquares, a: FloatArray, steps: int, tolerance: float,
     look, damping, slow, step = objective.look(a), FIRST, 0, 0
     for step in range(1, steps + 1):  # noqa: B007 - the number of steps is part of the answer
         H, r = objective.normal_equations(look)
+        scaled, s = unit_diagonal(H)
         grow = 4.0
         for _ in range(TRIALS):
-            p = solve(H, r, damping)
+            p = s * _solved(scaled, s * r, damping)
             there = objective.look(a + p)
             if there.value < look.value:
                 break
@@ -74,13 +75,18 @@ def solve(H: FloatArray, r: FloatArray, damping: float = 0.0) -> FloatArray:
     [1.0, 0.5]
     """
     scaled, s = unit_diagonal(H)
-    diagonal = np.diag_indices(len(H))
+    return np.asarray(s * _solved(scaled, s * r, damping))
+
+
+def _solved(scaled: FloatArray, r: FloatArray, damping: float) -> FloatArray:
+    """Return p with (scaled + damping · 1) p = r, the diagonal being 1."""
     for shift in SHIFTS:
         A = scaled.copy()
-        A[diagonal] += damping + shift
-        factor, failed = lapack.dpotrf(A)
+        A.flat[:: len(A) + 1] = 1.0 + damping + shift
+        # the transpose of a symmetric matrix is itself, but in the order of LAPACK, which then makes no copy
+        factor, failed = lapack.dpotrf(A.T, clean=False, overwrite_a=True)
         if not failed:
-            return np.asarray(s * lapack.dpotrs(factor, s * r)[0])
+            return np.asarray(lapack.dpotrs(factor, r)[0])
     raise ArithmeticError("the normal equations are not positive definite, even with a shift of 1e-9")
 
 
@@ -93,9 +99,10 @@ def unit_diagonal(H: FloatArray) -> tuple[FloatArray, FloatArray]:
 def condition(H: FloatArray) -> tuple[float, float]:
     """Return the estimated condition of the Jacobian with columns scaled to length 1, and max / min |r_ii| of its R."""
     scaled, _ = unit_diagonal(H)
-    factor, failed = lapack.dpotrf(scaled)
+    norm = np.abs(scaled).sum(axis=0).max()
+    factor, failed = lapack.dpotrf(scaled.T, clean=False, overwrite_a=True)
     if failed:
         return float("inf"), float("inf")
-    reciprocal = lapack.dpocon(factor, np.abs(scaled).sum(axis=0).max())[0]
+    reciprocal = lapack.dpocon(factor, norm)[0]
     diagonal = np.abs(np.diag(factor)) * np.sqrt(np.diag(H))
     return float(max(reciprocal, np.finfo(float).tiny) ** -0.5), float(diagonal.max() / diagonal.min())

@@ -92,37 +92,37 @@ class Objective:
         self.angle_weight, self.blend = angle_weight, blend
         d = data.dimension
         self.columns = monomials.count(d, degree)
-        self._D = [gram.differentiation(d, degree, k) / data.half[k] for k in range(d)]
-        if self.columns <= DENSE:
-            self._D = [D.toarray() for D in self._D]
-        self._Dt = [D.T.copy() for D in self._D]
+        self._pairs = np.triu_indices(d)
+        self._place = gram.position(monomials.exponents(d, degree), degree)
+        D = [gram.differentiation(d, degree, k) / half for k, half in enumerate(data.half)]
+        self._Dt = [M.toarray().T.copy() if self.columns <= DENSE else M.T.tocsr() for M in D]
 
     def look(self, a: FloatArray) -> Look:
         """Return what there is to see of the polynomial with coefficients a (m,)."""
         d, w = self.data.dimension, self.data.weights
-        tensors = contraction.to_tensor(np.stack([a, *(D @ a for D in self._D)]), d, self.degree)
-        f, *gradient = contraction.scattered(tensors, self.data.tables(self.degree))
-        squared = sum(g**2 for g in gradient)
-        size = np.sqrt(np.maximum(self.blend * squared + 1.0 - self.blend, FLAT**2))
-        distance, direction = f / size, np.stack(gradient) / size
+        tensors = contraction.to_tensor(np.stack([a, *(a @ D for D in self._Dt)]), d, self.degree)
+        values = contraction.scattered(tensors, self.data.tables(self.degree))
+        squared = np.einsum("kn,kn->n", values[1:], values[1:])
+        size = np.sqrt(np.maximum(self.blend * squared + (1.0 - self.blend), FLAT**2))
+        values /= size
+        distance, direction = values[0], values[1:]
         shortfalls = [places.shortfall(tensors[0]) for places in self.signs]
-        turned = ((direction - self.data.normals) ** 2).sum(axis=0)
-        value = w @ (distance**2 + self.angle_weight * turned)
+        short = direction - self.data.normals
+        value = w @ (distance**2 + self.angle_weight * np.einsum("kn,kn->n", short, short))
         for places, v in zip(self.signs, shortfalls, strict=True):
             value += places.cost(v)
         return Look(distance, size, direction, shortfalls, float(value))
 
     def normal_equations(self, look: Look) -> tuple[FloatArray, FloatArray]:
         """Return the Gauss–Newton matrix H (m, m) and r (m,), half the negative gradient of φ."""
-        d = self.data.dimension
-        mu = gram.moments(self.data.tables(2 * self.degree), self._second(look))
-        first = gram.moments(self.data.tables(self.degree), self._first(look))
-        first = gram.graded(first, d, self.degree)
+        u = self._bend(look)
+        mu = gram.moments(self.data.tables(2 * self.degree), self._second(look, u))
+        first = gram.moments(self.data.tables(self.degree), self._first(look, u))[self._place]
         r = -first[:, 0] - sum(D @ b for D, b in zip(self._Dt, first.T[1:], strict=True))
         for places, v in zip(self.signs, look.shortfalls, strict=True):
             mu[:, :1] += places.active(v, self.degree)
             r += places.pull(v, self.degree)
-        return self._assembled(gram.gram(mu, d, self.degree)), np.asarray(r)
+        return self._assembled(gram.gram(mu, self.data.dimension, self.degree)), np.asarray(r)
 
     def closeness(self, look: Look) -> tuple[float, float]:
         """Return D_dist and D_smooth, by the points' weights."""
@@ -131,44 +131,48 @@ class Objective:
         w = self.data.weights
         return float(w @ (np.abs(look.distance) / length)), float(w @ cosine)
 
-    def _rows(self, look: Look) -> FloatArray:
-        """Return u (1 + d, N): the row of f/S is Σ_k u_k ∂_k P, with ∂_0 = 1."""
-        bent = -self.blend * look.distance * look.direction
-        return np.concatenate([np.ones((1, bent.shape[1])), bent]) / look.size
+    def _bend(self, look: Look) -> FloatArray:
+        """Return u (N,): the row of f/S is P/S + u ĝ·∇P."""
+        return -self.blend * look.distance / look.size
 
-    def _second(self, look: Look) -> FloatArray:
-        """Return the weights (p, N) of the Gram matrices G_kl, k ≤ l."""
-        t, g, u = self.blend, look.direction, self._rows(look)
-        turn = (2.0 * t - t**2 * (g**2).sum(axis=0)) * g  # (I − t ĝĝᵀ)² = I − (2t − t²‖ĝ‖²) ĝĝᵀ
-        scale = self.angle_weight / look.size**2
-        out = []
-        for k in range(len(u)):
-            for j in range(k, len(u)):
-                weight = u[k] * u[j]
-                if k:
-                    weight += scale * (float(k == j) - turn[k - 1] * g[j - 1])
-                out.append(weight * self.data.weights)
-        return np.stack(out)
+    def _second(self, look: Look, u: FloatArray) -> FloatArray:
+        """Return the weights (p, N) of the Gram matrices G_kl, k ≤ l.
 
-    def _first(self, look: Look) -> FloatArray:
+        From the row of f/S squared, and (I − t ĝĝᵀ)² = I − (2t − t²‖ĝ‖²) ĝĝᵀ.
+        """
+        t, g, w, (k, j) = self.blend, look.direction, self.data.weights, self._pairs
+        scale = self.angle_weight * w / look.size**2
+        out = np.empty((1 + len(g) + len(k), len(w)))
+        out[0] = w / look.size**2
+        np.multiply(w * u / look.size, g, out=out[1 : 1 + len(g)])
+        bent = w * u**2 - scale * (2.0 * t - t**2 * np.einsum("kn,kn->n", g, g))
+        np.multiply(bent * g[k], g[j], out=out[1 + len(g) :])
+        out[1 + len(g) :][k == j] += scale
+        return out
+
+    def _first(self, look: Look, u: FloatArray) -> FloatArray:
         """Return the weights (1 + d, N) of the first moments: half the gradient of the data's terms is Σ D_kᵀ b_k."""
-        t, g = self.blend, look.direction
+        t, g, w = self.blend, look.direction, self.data.weights
         short = g - self.data.normals
-        short = short - t * g * (g * short).sum(axis=0)
-        out = self._rows(look) * look.distance
-        out[1:] += self.angle_weight * short / look.size
-        return np.asarray(out * self.data.weights)
+        bent = w * u * look.distance - t * self.angle_weight * w / look.size * np.einsum("kn,kn->n", g, short)
+        out = np.empty((1 + len(g), len(w)))
+        out[0] = w * look.distance / look.size
+        np.multiply(self.angle_weight * w / look.size, short, out=out[1:])
+        out[1:] += bent * g
+        return out
 
     def _assembled(self, G: FloatArray) -> FloatArray:
-        """Return Σ D_kᵀ G_kl D_l from the G_kl, k ≤ l, (p, m, m)."""
-        d = self.data.dimension
-        place = np.zeros((d + 1, d + 1), dtype=np.intp)
-        place[np.triu_indices(d + 1)] = np.arange(len(G))
-        place = np.maximum(place, place.T)
-        H = np.zeros((self.columns, self.columns))
-        for k in range(d + 1):
-            row = G[place[k, 0]].copy()
-            for j in range(1, d + 1):
-                row += (self._Dt[j - 1] @ G[place[k, j]]).T  # G is symmetric
-            H += self._Dt[k - 1] @ row if k else row
-        return H
+        """Return Σ D_kᵀ G_kl D_l from the G_kl, k ≤ l, (p, m, m).
+
+        G is symmetric, so this is S + Sᵀ with S = G_00/2 + Σ_k D_kᵀ (G_0k + G_kk D_k/2 + Σ_{l>k} G_kl D_l).
+        """
+        d, Dt = self.data.dimension, self._Dt
+        rest = iter(G[1 + d :])
+        S = G[0] / 2.0
+        for k in range(d):
+            row = (Dt[k] @ next(rest)).T / 2.0
+            row += G[1 + k]
+            for j in range(k + 1, d):
+                row += (Dt[j] @ next(rest)).T
+            S += Dt[k] @ row
+        return np.asarray(S + S.T)

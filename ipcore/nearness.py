@@ -5,7 +5,8 @@ from scipy.spatial import cKDTree
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.frame import Frame
-from ipcore.parallel import available, by_rows
+from ipcore.nearest import FEW, nearest
+from ipcore.parallel import by_rows
 
 # What is near the data, in mean radii and in point spacings, when stray parts are measured: chosen over 37 shapes so
 # that neither sparse sampling nor noise makes a good fit's own surface stray.
@@ -57,27 +58,28 @@ def remoteness(x: FloatArray, data: FloatArray, threads: int | None = None) -> I
 def exceeded(tree: cKDTree, x: FloatArray, radii: tuple[float, ...], threads: int | None = None) -> IntArray:
     """Return how many of some ascending distances are less than that from x (n, d) to the nearest point of the tree.
 
-    The tree is asked for the middles of cubic bins, and for a point itself only where its bin reaches across one of the
-    distances.
+    Unless there are few, the tree is asked for the middles of cubic bins, and for a point itself only where its bin
+    reaches across one of the distances.
 
     >>> exceeded(cKDTree([[0.0, 0.0]]), np.array([[0.5, 0.0], [1.5, 0.0], [2.5, 0.0]]), (1.0, 2.0)).tolist()
     [0, 1, 2]
     """
-    if not len(x):
-        return np.zeros(0, dtype=np.intp)
+    if len(x) <= FEW:
+        return np.searchsorted(radii, nearest(tree, x, threads=threads)[0])
     lower, upper = x.min(axis=0), x.max(axis=0)
     side = max(float((upper - lower).max()) / BINS, SMALLEST * float(np.abs(x).max())) or 1.0
     counts = tuple(((upper - lower) // side).astype(np.intp) + 1)
     bins = by_rows(lambda part: _bins(x[part], lower, side, counts), len(x), threads)
     used = np.flatnonzero(np.bincount(bins))
-    distance = _nearest(tree, lower + side * (np.stack(np.unravel_index(used, counts), axis=1) + 0.5), threads)
+    middles = lower + side * (np.stack(np.unravel_index(used, counts), axis=1) + 0.5)
+    distance = nearest(tree, middles, threads=threads)[0]
     extent = HALF * side * np.sqrt(len(lower))
     least, most = (np.searchsorted(radii, distance + shift) for shift in (-extent, extent))
     table = np.full(int(np.prod(counts)), -1)
     table[used] = np.where(least == most, least, -1)
     found = table[bins]
     cut = np.flatnonzero(found < 0)
-    found[cut] = np.searchsorted(radii, _nearest(tree, x[cut], threads))
+    found[cut] = np.searchsorted(radii, nearest(tree, x[cut], threads=threads)[0])
     return found
 
 
@@ -87,14 +89,10 @@ def _bins(x: FloatArray, lower: FloatArray, side: float, counts: tuple[int, ...]
     return np.asarray(np.ravel_multi_index(tuple(at.T), counts, mode="clip"))
 
 
-def _nearest(tree: cKDTree, x: FloatArray, threads: int | None) -> FloatArray:
-    return np.asarray(tree.query(x, workers=available() if threads is None else threads)[0])
-
-
 def _spacings(tree: cKDTree, threads: int | None) -> FloatArray:
     """Return the distances (N, k) from each point of a tree to the nearest others, up to the GAP_NEIGHBOUR-th."""
     k = min(GAP_NEIGHBOUR, tree.n - 1)
-    return np.asarray(tree.query(tree.data, k=k + 1, workers=available() if threads is None else threads)[0])[:, 1:]
+    return nearest(tree, tree.data, k + 1, threads=threads)[0][:, 1:]
 
 
 def _near(spacings: FloatArray, d: int, scale: float) -> float:

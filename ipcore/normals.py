@@ -15,9 +15,10 @@ from scipy.spatial import cKDTree
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
+from ipcore.nearest import nearest
 from ipcore.outline import is_outline, outline_normals
 from ipcore.outward import outward_signs
-from ipcore.parallel import available, by_rows
+from ipcore.parallel import by_rows
 from ipcore.winding import NEIGHBOURS, areas_within
 
 LIGHT = 0.3  # of the edges, some two per point: they connect nearly all, and sorting them takes a third of the time
@@ -93,9 +94,9 @@ def estimate_normals(points: FloatArray, neighbours: int = 12) -> FloatArray:
     if len(p) < d:
         raise InvalidPointsError(f"normals need {d} distinct points, not {len(p)}", ("points",))
     k = min(max(neighbours, NEIGHBOURS[d]), len(p) - 1)
-    distances, indices = cKDTree(p).query(p, k=k + 1, workers=available())
-    A = areas_within(np.asarray(distances)[:, 1:], d)  # the first is the point itself
-    r, near = np.asarray(distances)[:, 1 : neighbours + 1], np.asarray(indices, dtype=np.intp)[:, 1 : neighbours + 1]
+    distances, indices = nearest(cKDTree(p), p, k + 1)
+    A = areas_within(distances[:, 1:], d)  # the first is the point itself
+    r, near = distances[:, 1 : neighbours + 1], indices[:, 1 : neighbours + 1]
     normals = by_rows(lambda part: _planes(p, part, near[part]), len(p))
     tree = _spanning_forest(p, normals, near, r)
     normals *= _agreement(tree, normals)[:, None]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Self
 
 import numpy as np
@@ -13,6 +13,13 @@ from ipcore._typing import BoolArray, ExtendedArray, FloatArray, IntArray
 from ipcore.basis import Basis
 from ipcore.errors import InvalidPointsError, InvalidPolynomialError
 from ipcore.frame import Frame
+
+
+@lru_cache(maxsize=64)
+def _differentiation(basis: Basis, degree: int) -> FloatArray:
+    D = univariate.differentiation(basis, degree)
+    D.setflags(write=False)
+    return D
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,8 +232,9 @@ class ImplicitPolynomial:
         return univariate.table(self.basis, self.variable(coordinates, axis), self.degree)
 
     def _differentiate(self, tensor: FloatArray, axis: int) -> FloatArray:
-        D = univariate.differentiation(self.basis, self.degree) / self._axes[1][axis]
-        return np.moveaxis(np.tensordot(D, tensor, axes=(1, axis)), 0, axis)
+        D = _differentiation(self.basis, self.degree) / self._axes[1][axis]
+        rows = tensor.reshape(len(D) ** axis, len(D), -1)  # the axes before it, it, and those behind
+        return np.asarray(np.matmul(D, rows).reshape(tensor.shape))
 
     def _evaluate(self, tensors: FloatArray, x: FloatArray) -> FloatArray:
         x = self._checked(x)

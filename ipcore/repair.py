@@ -7,12 +7,14 @@ places that are surely on the other side, it is a part of its own, and nothing i
 and so do specks.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 from scipy import ndimage
 
-from ipcore._typing import BoolArray, FloatArray
+from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.sides import Sides
 from ipcore.survey import Findings, Survey
 
@@ -21,6 +23,9 @@ SLOPE = 0.25  # of the margin, half of that of the grid's nodes: what is asked f
 MOST = 0.02  # the margin at most
 NEARLY, WAYS = 2.0, 20  # cells by which a way may be longer than the shortest, and how many are tried
 LITTLE = 0.002  # the margin where no side can be told; all in units of f, whose slope is 1 about
+
+# How far the main region is, and where: see `_to_nearest`.
+ToMain = Callable[[], tuple[FloatArray, IntArray]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +39,7 @@ class Demands:
 
 def demands(found: Findings, survey: Survey, sides: Sides) -> Demands | None:
     """Return what to ask for, or None if nothing is known to be wrong."""
-    zone = ndimage.binary_dilation(found.suspect, iterations=AROUND)
+    zone = _grown(found.suspect)
     t, f = survey.places(zone), found.f[zone]
     located = sides.at(survey.local(t))
     side = np.zeros(found.f.shape)
@@ -49,21 +54,35 @@ def demands(found: Findings, survey: Survey, sides: Sides) -> Demands | None:
     return Demands(*joined)
 
 
+def _grown(mask: BoolArray) -> BoolArray:
+    """Return a mask with the nodes `AROUND` it, by steps along the axes."""
+    for _ in range(AROUND):
+        grown = mask.copy()
+        for axis in range(mask.ndim):
+            rows, out = np.moveaxis(mask, axis, 0), np.moveaxis(grown, axis, 0)
+            out[1:] |= rows[:-1]
+            out[:-1] |= rows[1:]
+        mask = grown
+    return mask
+
+
 def _minor(found: Findings, side: FloatArray, survey: Survey, sides: Sides) -> list[Demands]:
     """Return what to ask for of each minor region as a whole."""
     out = []
     for sign in (-1.0, 1.0):
         mine = (found.f < 0.0) == (sign < 0.0)
         labels, count = ndimage.label(found.minor & mine)
-        places = np.arange(1, count + 1)
-        agreement = np.atleast_1d(ndimage.sum_labels(side * sign, labels, places))
-        told = np.atleast_1d(ndimage.sum_labels(side != 0.0, labels, places))
-        for k in range(count):
-            here: BoolArray = labels == k + 1
+        nodes = np.flatnonzero(labels)
+        which, known = labels.ravel()[nodes], side.ravel()[nodes]
+        agreement = np.bincount(which, sign * known, count + 1)
+        told = np.bincount(which, known != 0.0, count + 1)
+        to_main = cache(partial(_to_nearest, mine & ~found.minor))  # asked for by few, then by some at once
+        for k in range(1, count + 1):
+            here: BoolArray = labels == k
             if told[k] == 0.0:
                 out.append(_asked(survey.places(here), -sign))
             elif agreement[k] > 0.0:
-                t = _way(here, mine & ~found.minor, sign, survey, sides)
+                t = _way(here, to_main, sign, survey, sides)
                 if t is not None:
                     out.append(_asked(t, sign))
     return out
@@ -81,12 +100,18 @@ def _asked(t: FloatArray, side: float) -> Demands:
     return Demands(t, np.full(len(t), side), np.full(len(t), LITTLE))
 
 
-def _way(here: BoolArray, main: BoolArray, sign: float, survey: Survey, sides: Sides) -> FloatArray | None:
+def _to_nearest(region: BoolArray) -> tuple[FloatArray, IntArray]:
+    """Return for each node how far a region is, and which (d, …) of its nodes is the nearest."""
+    away, nearest = ndimage.distance_transform_edt(~region, return_indices=True)
+    return away, nearest.astype(np.intp)
+
+
+def _way(here: BoolArray, to_main: ToMain, sign: float, survey: Survey, sides: Sides) -> FloatArray | None:
     """Return places (M, d) along a shortest way from a region to the main one that is nowhere surely on the wrong side.
 
     Of the region's nodes that are nearly as near to the main one as the nearest, the first with such a way begins it.
     """
-    away, nearest = ndimage.distance_transform_edt(~main, return_indices=True)
+    away, nearest = to_main()
     nodes = np.argwhere(here)
     order = np.argsort(away[here], kind="stable")
     close = order[away[here][order] <= away[here].min() + NEARLY]

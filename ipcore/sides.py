@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from ipcore import winding
 from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore.nearest import nearest
 
 REACH = 0.25  # mean radii: farther than this the distance does not matter, and is not searched for
 COARSE = {2: 64, 3: 32}  # grid lines per axis; what they miss is near the data, and computed there
@@ -82,42 +83,39 @@ class Sides:
 
     def at(self, places: FloatArray) -> Located:
         """Return what is known of places (M, d)."""
-        found, index = self.tree.query(places, distance_upper_bound=REACH)
-        distance, nearest = np.asarray(found), np.asarray(index, dtype=np.intp)
+        distance, index = nearest(self.tree, places, within=REACH)
         far = np.isinf(distance)
         outward = map_coordinates(self._coarse, ((places - self._lower) / self._cell).T, order=1, mode="nearest")
         close = np.flatnonzero(~far)
-        doubtful = close[self._doubtful(places[close], nearest[close], distance[close], outward[close])]
+        doubtful = close[self._doubtful(places[close], index[close], distance[close], outward[close])]
         if len(doubtful):
             outward[doubtful] = self._outward(places[doubtful], max(SUBSET, int(PAIRS / len(doubtful))))
         near = np.zeros(len(places))
-        near[close] = self._near[nearest[close]]
+        near[close] = self._near[index[close]]
         distance[far] = REACH
         sure = (np.abs(outward) > UNSURE) & (distance > near)
         return Located(distance, near, np.where(sure, np.sign(outward), 0.0))
 
-    def _doubtful(self, places: FloatArray, nearest: IntArray, distance: FloatArray, outward: FloatArray) -> BoolArray:
+    def _doubtful(self, places: FloatArray, index: IntArray, distance: FloatArray, outward: FloatArray) -> BoolArray:
         """Return at which places the coarse grid is not to be trusted."""
-        along = ((places - self._points[nearest]) * self._normals[nearest]).sum(axis=1)
+        along = ((places - self._points[index]) * self._normals[index]).sum(axis=1)
         cosine = along / np.maximum(distance, np.finfo(float).tiny)
         flat = (np.abs(cosine) < STEEP) | (np.abs(outward) < STEEP / 2.0)
         return np.asarray(flat | (np.sign(cosine) != np.sign(outward)))
 
     def _outward(self, places: FloatArray, count: int) -> FloatArray:
         """Return level − w at places, positive outside, from `count` of the points."""
-        if count >= len(self._points):
-            p, n, A = self._points, self._normals, self._areas
-        else:
-            some = self._order[:count]
-            p, n = self._points[some], self._normals[some]
-            A = winding.areas(p)
-        return self._level - winding.winding_number(places, p, n, A)
+        return self._level - winding.winding_number(places, *self._thinned(count))
+
+    def _thinned(self, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return `count` of the points, in random order, with their normals and what each then stands for."""
+        some = self._order[:count]
+        p = self._points[some]
+        return p, self._normals[some], winding.areas(p) if count < len(self._points) else self._areas[some]
 
     def _between(self) -> float:
         """Return the level between the winding numbers on the two sides of the data."""
-        some = self._order[:SUBSET]
-        p, n = self._points[some], self._normals[some]
-        A = winding.areas(p)
+        p, n, A = self._thinned(SUBSET)
         step = A[:PROBES, None] ** (1.0 / (p.shape[1] - 1)) * n[:PROBES]
         both = np.concatenate([p[:PROBES] - step, p[:PROBES] + step])
         w = winding.winding_number(both, p, n, A).reshape(2, -1).mean(axis=0)

@@ -5,8 +5,9 @@ a fine grid still shows: the quadratic through the neighbours of its lowest node
 tells whether it is on the other side of 0.
 """
 
+from itertools import product
+
 import numpy as np
-from scipy import ndimage
 
 from ipcore import basis, contraction
 from ipcore._typing import BoolArray, FloatArray, IntArray
@@ -34,16 +35,29 @@ def specks(tensor: FloatArray, lines: FloatArray, f: FloatArray, beside: BoolArr
         (M, d) in the Chebyshev variables, and (M,).
 
     """
-    size = np.abs(f)
-    lowest = (size == ndimage.minimum_filter(size, size=3)) & ~beside
-    inner = np.zeros_like(lowest)
-    inner[(slice(1, -1),) * f.ndim] = True
-    nodes = np.argwhere(lowest & inner)
+    nodes = _lowest(np.abs(f), beside)
     t = lines[nodes] + _to_bottom(f, nodes) * (lines[1] - lines[0])
     tables = [basis.table(Basis.CHEBYSHEV, np.ascontiguousarray(x), len(tensor) - 1) for x in t.T]
     values = contraction.scattered(tensor[None], tables)[0]
     other = values * f[tuple(nodes.T)] < 0.0
     return t[other], values[other]
+
+
+def _lowest(size: FloatArray, but: BoolArray) -> IntArray:
+    """Return the inner nodes (M, d), `but` some, than which none of the 3^d − 1 around is lower.
+
+    Those that are lowest along the first axis are few enough to ask for each neighbour of the rest by number.
+    """
+    inner = (slice(1, -1),) * size.ndim
+    low = np.zeros(size.shape, dtype=bool)
+    low[inner] = size[inner] <= size[(slice(2, None), *inner[1:])]
+    low[inner] &= size[inner] <= size[(slice(-2), *inner[1:])]
+    low[inner] &= ~but[inner]
+    nodes, row = np.flatnonzero(low), size.ravel()
+    strides = np.array(size.strides) // size.itemsize
+    for step in product((-1, 0, 1), repeat=size.ndim):
+        nodes = nodes[row[nodes] <= row[nodes + strides @ step]]
+    return np.stack(np.unravel_index(nodes, size.shape), axis=1)
 
 
 def _to_bottom(f: FloatArray, nodes: IntArray) -> FloatArray:

@@ -10,8 +10,9 @@ import numpy as np
 from scipy import ndimage
 
 from ipcore import basis, contraction
-from ipcore._typing import BoolArray, FloatArray
+from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.basis import Basis
+from ipcore.nearest import nearest
 from ipcore.sides import Sides
 from ipcore.specks import specks
 
@@ -56,13 +57,17 @@ class Survey:
     def __init__(self, sides: Sides, bounds: FloatArray, count: int, reach: float = 1.0) -> None:
         """Take `count` lines per axis, over the bounds (2, d) grown by the factor `reach`."""
         self.lines = reach * np.linspace(-1.0, 1.0, count)
-        self._sides = sides
+        self._sides, self._shape = sides, (count,) * bounds.shape[1]
         self._middle, self._half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
         self._far = max(FAR_RADII[len(self._half)], FAR_SPACINGS * sides.spacing)
 
     def places(self, mask: BoolArray) -> FloatArray:
         """Return nodes in the Chebyshev variables, (M, d)."""
-        return self.lines[np.argwhere(mask)]
+        return self._at(np.flatnonzero(mask))
+
+    def _at(self, nodes: IntArray) -> FloatArray:
+        """Return nodes by their numbers in the row of all: to find these takes a tenth of the time of `np.argwhere`."""
+        return self.lines[np.stack(np.unravel_index(nodes, self._shape), axis=1)]
 
     def local(self, t: FloatArray) -> FloatArray:
         """Return places t (M, d) in the normalised frame."""
@@ -82,10 +87,10 @@ class Survey:
                 sizes[0] = 0
                 minor |= part & (labels != sizes.argmax())
         beside = _beside_a_change(inside)
-        distance, _ = self._sides.tree.query(self.local(self.places(beside)), distance_upper_bound=self._far)
-        far = np.isinf(distance)
+        nodes = np.flatnonzero(beside)
+        far = np.isinf(nearest(self._sides.tree, self.local(self._at(nodes)), within=self._far)[0])
         suspect = minor.copy()
-        suspect[tuple(np.argwhere(beside)[far].T)] = True
+        suspect.flat[nodes[far]] = True
         small = specks(tensor, self.lines, f, beside)
         components = regions - 1 + len(small[0])
         return Findings(f, minor, suspect, *small, components, float(far.sum() / max(1, len(far))))

@@ -85,10 +85,11 @@ def test_coefficients_vanish_on_the_input_by_the_contracts_sentence_alone() -> N
 def test_noise_that_never_meets_the_rule_still_gives_the_best_fit_and_its_reason() -> None:
     points, normals = shapes.ellipse().sample(400)
     noisy = points + np.random.default_rng(0).normal(scale=0.05, size=points.shape)
-    result = ipcore.fit(noisy, normals, ipcore.FitOptions(max_degree=8))
+    options = ipcore.FitOptions(max_degree=8)
+    result = ipcore.fit(noisy, normals, options)
     assert result.stop_reason is ipcore.StopReason.MAX_DEGREE
     assert len(result.steps) == 8
-    best = min(result.steps, key=judge(result.options).score)
+    best = min(result.steps, key=judge(options).score)  # not always the closest: a quiet one comes first
     assert result.diagnostics.d_dist == pytest.approx(best.d_dist, rel=1e-6)
 
 
