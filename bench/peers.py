@@ -2,7 +2,7 @@
 
 Everything in it is made by this run. With the names of sections only those are made, and printed; the page is written
 when all are. Each contender runs in a process of its own, on two cores. IPFIT_BENCH_DATA may name the folder of point
-sets (see bench/sets.py); without it shapes of `ipcore.shapes` and letters stand in. IPFIT_BENCH_OPEN3D may name a
+sets (see bench/sets.py); without it bent shapes of `ipcore.shapes` and letters stand in. IPFIT_BENCH_OPEN3D may name a
 Python that has Open3D, which this project does not install.
 """
 

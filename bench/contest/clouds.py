@@ -1,4 +1,7 @@
-"""The oriented points that all contenders get: sets of the folder if it is named, else shapes of `ipcore.shapes`."""
+"""The oriented points that all contenders get: sets of the folder if it is named, else bent shapes of `ipcore.shapes`.
+
+They are bent because a system made from an algebraic surface is collinear, which real points never are.
+"""
 
 import os
 from collections.abc import Iterator
@@ -18,11 +21,12 @@ SPREAD = 0.5  # of the distance between neighbours, by which a point that is dra
 SOLID = ("bunny_zipper", "spot", "armadillo_od", "duck_pybullet")
 FLAT = ("horse", "mp7_bird")
 MADE = {
-    "genus-2 quartic": shapes.genus_two,
-    "torus": shapes.torus,
-    "superellipse": shapes.superellipse,
-    "cubic": shapes.cubic,
+    "bent genus-2 quartic": shapes.genus_two,
+    "bent torus": shapes.torus,
+    "bent superellipse": shapes.superellipse,
+    "bent cubic": shapes.cubic,
 }
+BEND, WAVES = 0.1, 3.0  # x → x + BEND sin(WAVES y) and so on round the axes; their product is below 1: nothing folds
 
 
 def from_folder() -> bool:
@@ -39,7 +43,19 @@ def named(name: str, count: int) -> PointSet:
     """Return one of these, of at most so many points."""
     if from_folder():
         return sets.load(name).sample(count)
-    return PointSet(name, *MADE[name]().sample(count), closed=True)
+    return bent(name, count)
+
+
+def bent(name: str, count: int) -> PointSet:
+    """Return a shape whose points are moved by waves, and its normals with them, by the inverse of the Jacobian."""
+    points, normals = MADE[name]().sample(count)
+    d = points.shape[1]
+    before = np.roll(np.arange(d), 1)
+    wave = WAVES * points[:, before]
+    J = np.tile(np.eye(d), (len(points), 1, 1))
+    J[:, np.arange(d), before] += BEND * WAVES * np.cos(wave)
+    n = np.linalg.solve(np.swapaxes(J, 1, 2), normals[:, :, None])[:, :, 0]
+    return PointSet(name, points + BEND * np.sin(wave), n / np.linalg.norm(n, axis=1)[:, None], closed=True)
 
 
 def outlines(count: int) -> list[PointSet]:
@@ -53,7 +69,7 @@ def outlines(count: int) -> list[PointSet]:
 
 def solid(count: int) -> PointSet:
     """Return a closed surface, of which meshes are made."""
-    return named("spot" if from_folder() else "genus-2 quartic", count)
+    return named("spot" if from_folder() else "bent genus-2 quartic", count)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ the small work, so it holds what a library keeps for later, too. D_dist (mean di
 (mean cosine of normals) are worked out alike for all, after the clock has stopped."""
 
 FOLDER = "The point sets are those of the folder in IPFIT_BENCH_DATA (see bench/sets.py)."
-MADE = "No folder of point sets was named: shapes of `ipcore.shapes` and letters stand in."
+MADE = "No folder of point sets was named: bent shapes of `ipcore.shapes` and letters stand in."
 
 TARGETS = """## What was asked for
 
