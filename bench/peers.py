@@ -22,25 +22,26 @@ from contest.target import Target
 from evidence.table import table
 
 HERE = Path(__file__).parent
+TOTAL = 780.0  # seconds: a section adds rounds while its share of what is left allows; the first always runs
 
 
 class Section(NamedTuple):
-    """A contest: how to hold it, within how many seconds of rounds, how to show it, and what was asked of it."""
+    """A contest: how to hold it, its share of the time, how to show it, and what was asked of it."""
 
     contest: Callable[[Path, float], Any]
-    seconds: float
+    share: float
     shown: Callable[[Any], str]
     targets: Callable[[Any], list[Target]] = lambda _found: []
 
 
 SECTIONS = {
-    "degrees": Section(degrees.contest, 240.0, degrees.shown, degrees.targets),
-    "agreement": Section(agreement.contest, 0.0, agreement.shown, agreement.targets),
-    "scale": Section(scale.contest, 90.0, scale.shown, scale.targets),
-    "outlines": Section(outlines.contest, 60.0, outlines.shown, outlines.targets),
-    "zero_sets": Section(zero_set_grids.contest, 60.0, zero_set_grids.shown, zero_set_grids.targets),
-    "meshes": Section(meshes.contest, 90.0, meshes.shown),
-    "threads": Section(threads.contest, 40.0, threads.shown),
+    "degrees": Section(degrees.contest, 4.0, degrees.shown, degrees.targets),
+    "agreement": Section(agreement.contest, 1.0, agreement.shown, agreement.targets),
+    "scale": Section(scale.contest, 3.0, scale.shown, scale.targets),
+    "outlines": Section(outlines.contest, 1.0, outlines.shown, outlines.targets),
+    "zero_sets": Section(zero_set_grids.contest, 1.0, zero_set_grids.shown, zero_set_grids.targets),
+    "meshes": Section(meshes.contest, 1.0, meshes.shown),
+    "threads": Section(threads.contest, 1.0, threads.shown),
 }
 
 
@@ -59,11 +60,13 @@ def machine() -> str:
 
 def main(asked: list[str]) -> None:
     """Make the sections asked for, or all of them and the page."""
-    made, aims = {}, []
-    for name in asked or SECTIONS:
+    names, made, aims = asked or list(SECTIONS), {}, []
+    end = perf_counter() + TOTAL * sum(SECTIONS[name].share for name in names) / sum(s.share for s in SECTIONS.values())
+    for at, name in enumerate(names):
         section, started = SECTIONS[name], perf_counter()
+        seconds = (end - started) * section.share / sum(SECTIONS[later].share for later in names[at:])
         with TemporaryDirectory(prefix="ipfit-peers-") as folder:
-            found = section.contest(Path(folder), section.seconds)
+            found = section.contest(Path(folder), seconds)
         made[name] = f"{words.BEFORE[name]}\n\n{section.shown(found)}"
         aims += [target.cells() for target in section.targets(found)]
         print(f"{name}: {perf_counter() - started:.0f} s", file=sys.stderr)

@@ -13,7 +13,7 @@ from contest.target import Target, at_most
 from contest.trial import Contender, Trial
 from evidence.table import table
 
-COUNT = 8000  # points: block holds M and Q, 0.4 GB at degree 16
+COUNT = 5000  # points: block holds M and Q, 0.25 GB at degree 16
 CAP = {2: 24, 3: 16}
 STABLE, OTHERS = "block", ("moments", "tsqr", "auto")
 ALLOWED = 1e-6

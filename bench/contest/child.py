@@ -40,7 +40,7 @@ def attempted(work: Callable[[], Report]) -> Report:
         return work()
     except Exception as error:  # noqa: BLE001 - whatever stops a contender belongs in its row
         words = str(error).splitlines() or [""]
-        return Report(failed=f"{type(error).__name__}: {words[0]}")
+        return Report(failed=f"{type(error).__name__}: {words[0]}".replace("|", "/"))  # it stands in a table
 
 
 def main(module: str, name: str, folder: str) -> None:

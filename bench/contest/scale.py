@@ -3,6 +3,9 @@
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from time import perf_counter
+
+import numpy as np
 
 from contest import clouds
 from contest.clouds import Cloud, Pieces
@@ -50,26 +53,25 @@ CONTENDERS: dict[str, Contender] = {
 
 
 def contest(folder: Path, seconds: float) -> Scores:
-    """Fit all sizes in rounds, then stream once each way."""
-    base = Cloud.of(clouds.named(clouds.names()[0], BASE))
+    """Stream once each way, then fit all sizes in rounds."""
+    started, base = perf_counter(), Cloud.of(clouds.named(clouds.names()[0], BASE))
     for count in (*SIZES, STREAMED):
         clouds.write_resampled(base, count, folder, str(count))
-    scores = interleaved([str(count) for count in SIZES], lambda name: alone(Asked("scale", name, folder)), seconds)
     streamed = interleaved([MAPPED, CHUNKS], lambda name: alone(Asked("scale", name, folder)), 0.0)
-    for kind in ("points", "normals"):
-        (folder / f"{STREAMED}-{kind}.npy").unlink()
+    left = started + seconds - perf_counter()
+    scores = interleaved([str(count) for count in SIZES], lambda name: alone(Asked("scale", name, folder)), left)
     return {**scores, **streamed}
 
 
 def targets(scores: Scores) -> list[Target]:
     """Return how flat the time per point is, and the peaks."""
-    per = [seconds_of(scores, str(count)) / count for count in SIZES]
-    slopes = _slopes(scores)
-    note = f" (of what each further point costs: {max(slopes) / min(slopes):.2f})"
+    per = np.array([seconds_of(scores, str(count)) / count for count in SIZES])  # numpy's max is nan if one is
+    slopes = np.array(_slopes(scores))
+    note = f" (of what each further point costs: {slopes.max() / slopes.min():.2f})"
     what = f"time per point from {SIZES[0]:,} to {SIZES[-1]:,} points, largest over smallest"
     largest = scores[str(SIZES[-1])]
     lines = [
-        at_most(what, max(per) / min(per), 1.2, note=note),
+        at_most(what, float(per.max() / per.min()), 1.2, note=note),
         at_most(f"peak above the input at {SIZES[-1]:,} points", largest.above, 200.0, " MB"),
     ]
     lines += [
