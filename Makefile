@@ -19,7 +19,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check chaos bench-paper bench-quality lock openapi clean help
+.PHONY: serve test check chaos bench bench-parts bench-paper bench-quality lock openapi clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -39,6 +39,12 @@ openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 	mkdir -p openapi
 	$(BIN)/ipfit openapi > openapi/openapi.json.new
 	mv openapi/openapi.json.new openapi/openapi.json
+
+bench: $(VENV)/.bench-stamp bench-parts ## time the parts, then write bench/PEERS.md, this library beside others
+	$(BIN)/python bench/peers.py $(ARGS)
+
+bench-parts: $(VENV)/.dev-stamp ## time the parts alone, on one thread
+	$(BIN)/python -m pytest bench/parts --benchmark-columns=min,median,iqr,rounds --benchmark-sort=name
 
 bench-paper: $(VENV)/.bench-stamp ## write bench/PAPER.md (IPFIT_BENCH_DATA names the folder of point sets)
 	$(BIN)/python bench/paper.py $(ARGS)

@@ -1,0 +1,116 @@
+"""The error against a backward-stable solve, by degree: D_dist of ipfit's other ways against the block path's."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import ipcore
+from contest import clouds
+from contest.clouds import Cloud
+from contest.process import Asked, alone
+from contest.rounds import Medians, Scores
+from contest.target import Target, at_most
+from contest.trial import Contender, Trial
+from evidence.table import table
+
+COUNT = 5000  # points: block holds M and Q, 0.25 GB at degree 16
+CAP = {2: 24, 3: 16}
+STABLE, OTHERS = "block", ("moments", "tsqr", "auto")
+ALLOWED = 1e-6
+SHORT_OF = 12  # the degree to which the target goes
+
+Steps = dict[str, list[tuple[int, float, float]]]  # by way: degree, D_dist, condition
+
+
+def steps(cloud: Cloud) -> Steps:
+    """Fit by all ways, and return what each found at every degree; a way that is refused has no steps."""
+    found: Steps = {}
+    for way in (STABLE, *OTHERS):
+        try:
+            fit = _fitted(cloud, way)
+        except ipcore.IPCoreError:
+            found[way] = []
+        else:
+            found[way] = [(step.degree, step.d_dist, step.condition) for step in fit.steps]
+    return found
+
+
+def _fitted(cloud: Cloud, way: str) -> ipcore.FitResult:
+    cap = CAP[cloud.points.shape[1]]
+    plain: dict[str, Any] = {"signs": False, "geometric": False, "measure_zero_set": False, "criterion": "none"}
+    return ipcore.fit(cloud.points, cloud.normals, ipcore.FitOptions.of(max_degree=cap, factor=way, **plain))
+
+
+def _ready(name: str, folder: Path) -> Trial:
+    cloud = Cloud.load(folder, name)
+    return Trial(lambda: None, lambda: steps(cloud), lambda found: {"steps": found})
+
+
+CONTENDERS: dict[str, Contender] = {name: partial(_ready, name) for name in clouds.names()}
+
+
+def contest(folder: Path, seconds: float) -> Scores:  # noqa: ARG001 - once is enough: nothing here is a time
+    """Compare the ways on every set."""
+    found = {}
+    for name in clouds.names():
+        Cloud.of(clouds.named(name, COUNT)).save(folder, name)
+        found[name] = Medians([alone(Asked("agreement", name, folder))])
+    return found
+
+
+def differences(one: Medians, way: str) -> list[tuple[int, float, float]]:
+    """Return degree, condition, and the relative difference of D_dist from the block path's at that degree."""
+    found: Steps = one.found.get("steps", {})
+    stable = {degree: (d_dist, condition) for degree, d_dist, condition in found.get(STABLE, [])}
+    return [
+        (degree, stable[degree][1], abs(d_dist / stable[degree][0] - 1.0))
+        for degree, d_dist, _ in found.get(way, [])
+        if degree in stable
+    ]
+
+
+def targets(scores: Scores) -> list[Target]:
+    """Return the largest difference of auto up to the degree in question, on every set."""
+    lines = []
+    for name, one in scores.items():
+        short = [row for row in differences(one, "auto") if row[0] <= SHORT_OF]
+        worst = max(short, key=lambda row: row[2], default=(0, float("nan"), float("nan")))
+        note = f" (at degree {worst[0]}, condition {worst[1]:.0e})"
+        what = f"D_dist of auto against block's to degree {SHORT_OF}, relative, {name}"
+        lines.append(at_most(what, worst[2], ALLOWED, note=note))
+    return lines
+
+
+def allowed_to(scores: Scores, way: str) -> str:
+    """Return up to which condition a way agrees with block on all sets, in words."""
+    rows = sorted((row[1], row[2]) for one in scores.values() for row in differences(one, way))
+    if not rows:
+        return f"- {way}: not measured."
+    bad = [condition for condition, difference in rows if difference > ALLOWED]
+    if not bad:
+        return f"- {way}: within {ALLOWED:.0e} everywhere, up to a condition of {rows[-1][0]:.0e}."
+    good = [condition for condition, _ in rows if condition < bad[0]]
+    first = f"up to a condition of {good[-1]:.0e}" if good else "nowhere"
+    worst = max(rows, key=lambda row: row[1])
+    return (
+        f"- {way}: within {ALLOWED:.0e} {first}, and beyond it at {bad[0]:.0e}; at worst {worst[1]:.0e}, at a "
+        f"condition of {worst[0]:.0e}."
+    )
+
+
+def shown(scores: Scores) -> str:
+    """Return the words and one table for each way."""
+    parts = ["\n".join(allowed_to(scores, way) for way in OTHERS)]
+    parts += [f"{way}:\n\n{_table(scores, way)}" for way in OTHERS if any(differences(s, way) for s in scores.values())]
+    failed = [f"- {name}: {one.failed}" for name, one in scores.items() if one.failed]
+    return "\n\n".join([*parts, *failed])
+
+
+def _table(scores: Scores, way: str) -> str:
+    cells = {
+        name: {degree: f"{difference:.0e} ({condition:.0e})" for degree, condition, difference in differences(one, way)}
+        for name, one in scores.items()
+    }
+    degrees = sorted({degree for column in cells.values() for degree in column})
+    lines = [[degree, *(column.get(degree, "") for column in cells.values())] for degree in degrees]
+    return table(["degree", *cells], lines)

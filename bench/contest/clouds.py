@@ -1,0 +1,150 @@
+"""The oriented points that all contenders get: sets of the folder if it is named, else bent shapes of `ipcore.shapes`.
+
+They are bent because a system made from an algebraic surface is collinear, which real points never are.
+"""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+import held_back
+import sets
+from ipcore import shapes
+from sets import FloatArray, PointSet
+
+PIECE = 100_000  # points made or read at once: 5 MB
+SPREAD = 0.5  # of the distance between neighbours, by which a point that is drawn again moves along the surface
+SOLID = ("bunny_zipper", "spot", "armadillo_od", "duck_pybullet")
+FLAT = ("horse", "mp7_bird")
+MADE = {
+    "bent genus-2 quartic": shapes.genus_two,
+    "bent torus": shapes.torus,
+    "bent superellipse": shapes.superellipse,
+    "bent cubic": shapes.cubic,
+}
+BEND, WAVES = 0.1, 3.0  # x → x + BEND sin(WAVES y) and so on round the axes; their product is below 1: nothing folds
+
+
+def from_folder() -> bool:
+    """Return whether a folder of sets is named."""
+    return "IPFIT_BENCH_DATA" in os.environ
+
+
+def names() -> tuple[str, ...]:
+    """Return the sets that are compared degree by degree, surfaces first."""
+    return (*SOLID, *FLAT) if from_folder() else tuple(MADE)
+
+
+def named(name: str, count: int) -> PointSet:
+    """Return one of these, of at most so many points."""
+    if from_folder():
+        return sets.load(name).sample(count)
+    return bent(name, count)
+
+
+def bent(name: str, count: int) -> PointSet:
+    """Return a shape whose points are moved by waves, and its normals with them, by the inverse of the Jacobian."""
+    points, normals = MADE[name]().sample(count)
+    d = points.shape[1]
+    before = np.roll(np.arange(d), 1)
+    wave = WAVES * points[:, before]
+    J = np.tile(np.eye(d), (len(points), 1, 1))
+    J[:, np.arange(d), before] += BEND * WAVES * np.cos(wave)
+    n = np.linalg.solve(np.swapaxes(J, 1, 2), normals[:, :, None])[:, :, 0]
+    return PointSet(name, points + BEND * np.sin(wave), n / np.linalg.norm(n, axis=1)[:, None], closed=True)
+
+
+def outlines(count: int) -> list[PointSet]:
+    """Return outlines of so many points, in order: of all in the folder that have as many, else of letters."""
+    if from_folder():
+        there = [sets.load(str(entry["name"])) for entry in sets.index() if entry["dim"] == 2]
+    else:
+        there = [one for one in held_back.shapes() if one.dimension == 2]
+    return [one.sample(count) for one in there if len(one.points) >= count]
+
+
+def solid(count: int) -> PointSet:
+    """Return a closed surface, of which meshes are made."""
+    return named("spot" if from_folder() else "bent genus-2 quartic", count)
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Points and normals (N, d) each."""
+
+    points: FloatArray
+    normals: FloatArray
+
+    @classmethod
+    def of(cls, given: PointSet) -> "Cloud":
+        """Take a set that has normals."""
+        if given.normals is None:
+            raise ValueError(f"{given.name} has no normals")
+        return cls(given.points, given.normals)
+
+    def save(self, folder: Path, name: str) -> None:
+        """Write both beside each other."""
+        np.save(folder / f"{name}-points.npy", self.points)
+        np.save(folder / f"{name}-normals.npy", self.normals)
+
+    @classmethod
+    def load(cls, folder: Path, name: str, *, mapped: bool = False) -> "Cloud":
+        """Read both, or map them into memory."""
+        files = (folder / f"{name}-points.npy", folder / f"{name}-normals.npy")
+        return cls(*(np.load(file, mmap_mode="r" if mapped else None) for file in files))
+
+    def first(self, count: int) -> "Cloud":
+        """Return so many points from all over the cloud."""
+        step = max(1, len(self.points) // count)
+        return Cloud(self.points[::step][:count].copy(), self.normals[::step][:count].copy())
+
+
+def write_resampled(base: Cloud, count: int, folder: Path, name: str) -> None:
+    """Write a cloud of any size, piece by piece: points of another drawn again and moved along the surface."""
+    shape = (count, base.points.shape[1])
+    files = [
+        np.lib.format.open_memmap(folder / f"{name}-{kind}.npy", mode="w+", dtype=np.float64, shape=shape)
+        for kind in ("points", "normals")
+    ]
+    for part, piece in _pieces(base, count):
+        files[0][part], files[1][part] = piece.points, piece.normals
+
+
+def _pieces(base: Cloud, count: int) -> Iterator[tuple[slice, Cloud]]:
+    generator = np.random.default_rng(0)
+    spacing = float(np.median(np.asarray(cKDTree(base.points).query(base.points, k=2)[0])[:, 1]))
+    for start in range(0, count, PIECE):
+        part = slice(start, min(start + PIECE, count))
+        at = generator.integers(len(base.points), size=part.stop - start)
+        p, n = base.points[at], base.normals[at]
+        step = generator.normal(scale=SPREAD * spacing, size=p.shape)
+        yield part, Cloud(p + step - np.einsum("nk,nk->n", step, n)[:, None] * n, n)
+
+
+class Pieces:
+    """The pieces of a cloud in files, read one by one as often as they are asked for."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        """Take the files by name."""
+        self._folder, self._name = folder, name
+
+    def __iter__(self) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """Yield points and normals (N, d) of each piece, in memory."""
+        mapped = Cloud.load(self._folder, self._name, mapped=True)
+        shape, skipped = mapped.points.shape, mapped.points.offset  # type: ignore[attr-defined] # a memmap's
+        with (
+            (self._folder / f"{self._name}-points.npy").open("rb") as points,
+            (self._folder / f"{self._name}-normals.npy").open("rb") as normals,
+        ):
+            for file in (points, normals):
+                file.seek(skipped)
+            for start in range(0, shape[0], PIECE):
+                numbers = min(PIECE, shape[0] - start) * shape[1]
+                yield (
+                    np.fromfile(points, count=numbers).reshape(-1, shape[1]),
+                    np.fromfile(normals, count=numbers).reshape(-1, shape[1]),
+                )

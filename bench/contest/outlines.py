@@ -1,0 +1,94 @@
+"""Outlines of 500 points, in process: the plain fit and the default one."""
+
+from functools import partial
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import ipcore
+from contest import clouds
+from contest.process import Asked, alone
+from contest.rounds import Medians, Scores, how_many, interleaved
+from contest.target import Target, at_most
+from contest.trial import Contender, Trial
+from evidence.table import table
+from sets import PointSet
+
+COUNT = 500
+PLAIN, BARE, DEFAULT = "plain", "plain, zero set not measured", "default"
+WAYS: dict[str, dict[str, Any]] = {
+    PLAIN: {"geometric": False},
+    BARE: {"geometric": False, "measure_zero_set": False},
+    DEFAULT: {},
+}
+ASKED = {PLAIN: 10.0, DEFAULT: 80.0}  # ms
+
+
+def _fit(given: PointSet, options: ipcore.FitOptions) -> tuple[float, ipcore.FitResult]:
+    started = perf_counter()
+    result = ipcore.fit(given.points, given.normals, options)
+    return 1e3 * (perf_counter() - started), result
+
+
+def _judged(fits: list[tuple[float, ipcore.FitResult]]) -> dict[str, Any]:
+    """Return ms of every outline, and medians over the outlines of degree, D_dist and D_smooth."""
+    results = [result for _, result in fits]
+    return {
+        "ms": [taken for taken, _ in fits],
+        "degree": median(one.degree for one in results),
+        "d_dist": median(one.diagnostics.d_dist for one in results),
+        "d_smooth": median(one.diagnostics.d_smooth for one in results),
+    }
+
+
+def _ready(way: str, folder: Path) -> Trial:  # noqa: ARG001 - small sets are read where they are
+    options, given = ipcore.FitOptions.of(**WAYS[way]), clouds.outlines(COUNT)
+
+    def work() -> list[tuple[float, ipcore.FitResult]]:
+        return [_fit(one, options) for one in given]
+
+    return Trial(work, work, _judged)
+
+
+CONTENDERS: dict[str, Contender] = {way: partial(_ready, way) for way in WAYS}
+
+
+def contest(folder: Path, seconds: float) -> Scores:
+    """Let the ways take turns on all outlines."""
+    return interleaved(list(WAYS), lambda way: alone(Asked("outlines", way, folder)), seconds)
+
+
+def targets(scores: Scores) -> list[Target]:
+    """Return the medians over the outlines."""
+    bare = _middle(scores, BARE)
+    notes = {PLAIN: f" ({bare:.3g} ms when the zero set is not measured)"}
+    what = f"median outline of {COUNT} points, {{}} fit"
+    return [
+        at_most(what.format(way), _middle(scores, way), limit, " ms", notes.get(way, ""))
+        for way, limit in ASKED.items()
+    ]
+
+
+def _middle(scores: Scores, way: str) -> float:
+    return median(_each(scores[way]) or [float("nan")])
+
+
+def _each(one: Medians) -> list[float]:
+    """Return the ms of every outline, the median of the rounds; nothing if there was a failure."""
+    return [] if one.failed else [median(runs) for runs in zip(*(run.found["ms"] for run in one.reports), strict=True)]
+
+
+def shown(scores: Scores) -> str:
+    """Return the table."""
+    lines = []
+    for way, one in scores.items():
+        if one.failed:
+            lines.append([way, one.failed, *[""] * 6])
+            continue
+        found = one.found
+        times = [f"{f(_each(one)):.1f}" for f in (median, min, max)]
+        lines.append([way, *times, f"{found['degree']:g}", f"{found['d_dist']:.4f}", f"{found['d_smooth']:.3f}"])
+    heads = ["fit", "ms, median", "least", "most", "degree", "D_dist", "D_smooth"]
+    count = len(clouds.outlines(COUNT))
+    return f"{count} outlines of {COUNT} points. {how_many(scores)}.\n\n{table(heads, lines)}"

@@ -1,0 +1,28 @@
+"""One iteration of the geometric fit: look, normal equations, step."""
+
+import numpy as np
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from ipcore import monomials, shapes
+from ipcore.damping import Refined, refine
+from ipcore.geometric import DataTables, Objective
+from sets import FloatArray
+
+DEGREE, ANGLE = 8, 0.001
+
+
+def test_one_iteration(benchmark: BenchmarkFixture, torus: tuple[FloatArray, FloatArray]) -> None:
+    points, normals = torus
+    true = shapes.torus().polynomial.to_chebyshev()
+    data = DataTables(points, normals, np.ones(len(points)), true.bounds)
+    objective = Objective(data, DEGREE, [], ANGLE)
+    a = np.zeros(monomials.count(3, DEGREE))
+    a[: len(true.coefficients)] = true.coefficients
+    a += 1e-3 * np.abs(a).max() * np.random.default_rng(0).normal(size=len(a)) / (1.0 + np.arange(len(a)))
+
+    def work() -> Refined:
+        return refine(objective, a, steps=1, tolerance=0.0, patience=2)
+
+    fit = benchmark(work)
+    assert fit.steps == 1
+    assert fit.look.value < 0.1 * objective.look(a).value  # Gauss–Newton near an exact shape
