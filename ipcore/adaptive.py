@@ -1,6 +1,7 @@
 """The two ways in: a fit whose degree finds itself (the paper's section 4), and a fit of a degree that is known."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -9,9 +10,11 @@ from numpy.typing import ArrayLike
 from ipcore import monomials
 from ipcore import points as pointset
 from ipcore.answer import answer
+from ipcore.blas import limited
 from ipcore.choices import Constraints, Criterion, Granularity, chosen
 from ipcore.errors import InvalidOptionsError
 from ipcore.judges import Judge, LastJudge, judge
+from ipcore.linear import LeastSquaresFit
 from ipcore.options import HIGHEST_DEGREE, FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.parallel import using
@@ -139,4 +142,6 @@ def _searched(
     """Orient the points, choose the way to fit, and search over these stops."""
     data = OrientedPoints.of(given, options.neighbours)
     how = way(data, options, monomials.degree_of(data.points.shape[1], alphas[-1]))
-    return answer(DegreeSearch(data, options, how, by), alphas, progress, given.sha256)
+    # all of M is worth BLAS's threads; elsewhere ours do more, and BLAS's would wait for each other
+    with nullcontext() if isinstance(how, LeastSquaresFit) else limited(1):
+        return answer(DegreeSearch(data, options, how, by), alphas, progress, given.sha256)

@@ -8,7 +8,7 @@ L_n(−x) = (−1)^n L_n(x), so an odd degree is never bounded in this sense.
 import numpy as np
 from scipy.optimize import minimize
 
-from ipcore import monomials
+from ipcore import basis, monomials
 from ipcore._typing import FloatArray, IntArray
 from ipcore.basis import Basis
 from ipcore.polynomial import ImplicitPolynomial
@@ -64,7 +64,7 @@ def leading_form(polynomial: ImplicitPolynomial) -> tuple[IntArray, FloatArray]:
 def _values(powers: IntArray, coefficients: FloatArray, x: FloatArray) -> FloatArray:
     """Return the form at x (M, d), shape (M,)."""
     degree = int(powers[0].sum())
-    tables = [np.power(column[None], np.arange(degree + 1)[:, None]) for column in x.T]
+    tables = [basis.table(Basis.MONOMIAL, column, degree) for column in x.T]
     return np.asarray(coefficients @ monomials.products(tables, powers))
 
 

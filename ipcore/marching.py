@@ -20,15 +20,32 @@ def march(blocks: Blocks) -> Piece:
     >>> piece.vertices.tolist(), piece.cells.tolist()
     ([[0.5, 1.0], [1.5, 1.0], [1.0, 0.5], [1.0, 1.5]], [[0, 2], [3, 0], [2, 1], [1, 3]])
     """
+    index, cells, laid, shared, keys = _marched(blocks)
+    vertices, held, cap = _at_walls(index, cells, blocks.grid)
+    held[np.flatnonzero(laid)] = True
+    return Piece(vertices, held, cells, cap, shared, keys)
+
+
+def march_within(values: FloatArray, grid: Grid) -> tuple[FloatArray, IntArray]:
+    """Return the vertices (V, d), raw, and cells (C, d) of f = 0 on a whole grid, with nothing laid onto its walls.
+
+    >>> f, line = np.ones((3, 3)), np.array([0.0, 1.0, 2.0])
+    >>> f[0, 1] = -1.0
+    >>> [array.tolist() for array in march_within(f, Grid.of([line, line]))]
+    [[[0.5, 1.0], [0.0, 0.5], [0.0, 1.5]], [[1, 0], [0, 2]]]
+    """
+    origin = np.zeros((1, values.ndim), dtype=np.intp)
+    index, cells, *_ = _marched(Blocks(values[None], origin, grid))
+    return grid.lower + index * ((grid.upper - grid.lower) / (grid.counts - 1)), cells
+
+
+def _marched(blocks: Blocks) -> tuple[FloatArray, IntArray, BoolArray, IntArray, IntArray]:
+    """Return vertices in steps of the grid, cells, and of vertices on edges: which are laid, which shared, and keys."""
     table, inside = cases(len(blocks.strides)), blocks.values < 0.0
     edges = _crossed(inside)
     index, laid, shared, keys = _on_edges(blocks, edges)
     cells, owner = _cells(blocks, table, edges, *_rows(blocks, inside, table))
-    middles = _middles(index, cells, owner)
-    index, laid = np.concatenate([index, middles]), np.append(laid, np.zeros(len(middles), dtype=bool))
-    vertices, held, cap = _at_walls(index, cells, blocks.grid)
-    held[laid] = True
-    return Piece(vertices, held, cells, cap, shared, keys)
+    return np.concatenate([index, _middles(index, cells, owner)]), cells, laid, shared, keys
 
 
 def _crossed(inside: BoolArray) -> list[IntArray]:
@@ -136,5 +153,8 @@ def _at_walls(index: FloatArray, cells: IntArray, grid: Grid) -> tuple[FloatArra
         return vertices, held, np.zeros(len(cells), dtype=bool)
     np.copyto(vertices, grid.lower, where=low)
     np.copyto(vertices, grid.upper, where=high)
-    cap = low[cells].all(axis=1).any(axis=1) | high[cells].all(axis=1).any(axis=1)
+    cap = np.zeros(len(cells), dtype=bool)
+    for wall in (*low.T, *high.T):  # column by column: numpy is slow at many sums of three
+        if wall.any():
+            cap |= np.logical_and.reduce([wall[corner] for corner in cells.T])
     return vertices, held, cap

@@ -13,6 +13,7 @@ from ipcore import parallel
 from ipcore import points as pointset
 from ipcore._typing import FloatArray
 from ipcore.answer import answer
+from ipcore.blas import limited
 from ipcore.choices import Factor
 from ipcore.compressed import CompressedFit
 from ipcore.constraints import families
@@ -25,9 +26,10 @@ from ipcore.options import HIGHEST_DEGREE, FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.ranges import integer
 from ipcore.result import FitResult
+from ipcore.rowsource import MomentRows, RowSource, SummedRows
 from ipcore.sample import Sample
 from ipcore.search import DegreeSearch, Progress, stops
-from ipcore.triangle import Triangle
+from ipcore.streams import streamed
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,23 +149,35 @@ class Moments:
         box = np.stack([np.minimum(self.box[0], other.box[0]), np.maximum(self.box[1], other.box[1])])
         return type(self)(self.frame, self.layers + other.layers, box, self.sample.with_more(other.sample))
 
-    def fit(self, options: FitOptions | None = None, *, progress: Progress | None = None) -> FitResult:
-        """Fit a polynomial whose degree finds itself, from the moments alone.
+    def fit(
+        self,
+        options: FitOptions | None = None,
+        *,
+        points: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        progress: Progress | None = None,
+    ) -> FitResult:
+        """Fit a polynomial whose degree finds itself, by default from the moments alone, in milliseconds.
 
         It is the linear fit of all points to rounding, up to the degree where squaring the condition would show: there
         the search ends as `ill-conditioned`. D_dist, D_smooth and what else is said of the data is measured at the
-        sample, and the digest of the input is that of the sample, too.
+        sample, and the digest of the input is the sample's, too. With the points it is the fit of `ipcore.fit` in this
+        frame, with nothing left out: only the pass over the points that sums their moments is saved.
 
         Parameters
         ----------
         options
-            See `FitOptions`. What only the points themselves can give is refused: sign constraints, the geometric fit,
-            other factorisations, leaving points out. By default a linear fit.
+            See `FitOptions`; by default a linear fit. What moments cannot give is refused: sign constraints, the
+            geometric fit, other factorisations, leaving points out.
+        points, normals
+            The points of which these are the moments, (N, d) each, held or memory-mapped, if they are still at hand.
         progress
             As for `ipcore.fit`.
 
         Raises
         ------
+        InvalidPointsError, InvalidNormalsError
+            If the points cannot be fitted, or are not as many as these moments are of.
         InvalidOptionsError
             If the options ask for what moments cannot give, or for other layers or a higher degree than they are of.
 
@@ -171,40 +185,10 @@ class Moments:
         asked = options or FitOptions(factor=Factor.MOMENTS)
         self._check(asked)
         top = min(asked.max_degree or self.degree, self.degree)
-        data = OrientedPoints.sampled(self.sample, self.frame, self.box, self.count)
-        way = CompressedFit(data, asked, top, self)
-        search = DegreeSearch(data, asked, way, judge(asked))
-        digest = sha256(self.sample.points, self.sample.normals)
-        return answer(search, stops(self.layers.dimension, top, asked.granularity), progress, digest)
-
-    def _layers(self, piece: tuple[FloatArray, FloatArray]) -> LayerMoments:
-        x, n = piece
-        return LayerMoments.of(self.frame.to_local(x), n, self.degree, self.layers.offsets)
-
-    def _check(self, options: FitOptions) -> None:
-        """Refuse options that ask for what moments cannot give."""
-        if not options.is_linear or options.needs_rows or options.factor not in {Factor.AUTO, Factor.MOMENTS}:
-            raise InvalidOptionsError(
-                "moments give linear fits only, with factor auto or moments and no point left out: set geometric to "
-                "false, or fit the points themselves",
-                ("geometric",),
-            )
-        if families.offsets(options) != self.layers.offsets:
-            raise InvalidOptionsError(f"these are moments of layers at {self.layers.offsets}", ("layer_distance",))
-        if (options.max_degree or 0) > self.degree:
-            raise InvalidOptionsError(
-                f"these moments reach up to degree {self.degree}, not {options.max_degree}", ("max_degree",)
-            )
-
-    def squared(self, degree: int) -> Triangle:  # noqa: ARG002 - all there is
-        """Return the triangle of all layers' rows, for as many columns as can be factored."""
-        return self.layers.triangle()
-
-    def exact(self, degree: int) -> None:
-        """Return None: the rows are not there any more."""
-
-    def gradients(self, degree: int, A: FloatArray) -> None:
-        """Return None: the rows are not there any more."""
+        data, source, digest = self._alone() if points is None else self._with(points, normals, asked)
+        search = DegreeSearch(data, asked, CompressedFit(data, asked, top, source), judge(asked))
+        with limited(1):
+            return answer(search, stops(self.layers.dimension, top, asked.granularity), progress, digest)
 
     def save(self, file: str | Path | IO[bytes]) -> None:
         """Write everything to an npz file."""
@@ -239,3 +223,39 @@ class Moments:
                 return cls(frame, layers, parts["box"], Sample.of(parts["points"], parts["normals"]))
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise InvalidPointsError(f"not a file of moments: {error}") from error
+
+    def _layers(self, piece: tuple[FloatArray, FloatArray]) -> LayerMoments:
+        x, n = piece
+        return LayerMoments.of(self.frame.to_local(x), n, self.degree, self.layers.offsets)
+
+    def _check(self, options: FitOptions) -> None:
+        """Refuse options that ask for what moments cannot give."""
+        if not options.is_linear or options.needs_rows or options.factor not in {Factor.AUTO, Factor.MOMENTS}:
+            raise InvalidOptionsError(
+                "moments give linear fits only, with factor auto or moments and no point left out: set geometric to "
+                "false, or fit the points themselves",
+                ("geometric",),
+            )
+        if families.offsets(options) != self.layers.offsets:
+            raise InvalidOptionsError(f"these are moments of layers at {self.layers.offsets}", ("layer_distance",))
+        if (options.max_degree or 0) > self.degree:
+            raise InvalidOptionsError(
+                f"these moments reach up to degree {self.degree}, not {options.max_degree}", ("max_degree",)
+            )
+
+    def _alone(self) -> tuple[OrientedPoints, RowSource, str]:
+        """Return the sample, the rows as far as moments tell of them, and the sample's digest."""
+        data = OrientedPoints.sampled(self.sample, self.frame, self.box, self.count)
+        return data, MomentRows(self.layers), sha256(self.sample.points, self.sample.normals)
+
+    def _with(
+        self, points: ArrayLike, normals: ArrayLike | None, options: FitOptions
+    ) -> tuple[OrientedPoints, RowSource, str]:
+        """Return the points, their rows, and their digest."""
+        given = streamed(points, normals) or pointset.check(points, normals)
+        if given.points.shape != (self.count, self.layers.dimension):
+            raise InvalidPointsError(
+                f"these are moments of {self.count} points, not of {len(given.points)}", ("points",)
+            )
+        data = OrientedPoints.of(given, options.neighbours, self.frame)
+        return data, SummedRows(data, options, self.layers), given.sha256

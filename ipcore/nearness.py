@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ipcore._typing import FloatArray, IntArray
+from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.frame import Frame
 from ipcore.nearest import FEW, nearest
 from ipcore.parallel import by_rows
@@ -21,6 +21,7 @@ GAP_FACTOR = 1.25
 # Bins along the longest axis of the box of the points that are asked for. What is near is a tenth of the data's radius
 # or more, so several bins: it cuts few of them.
 BINS = 64
+SOME = 4096  # points by which the spacing of many is judged: its median is off by 1/60 of the spread
 HALF = 0.501  # of a bin: a little more, for rounding …
 SMALLEST = 1e-9  # … which must be far less than a bin: so the least size of one, against the coordinates
 
@@ -55,6 +56,13 @@ def remoteness(x: FloatArray, data: FloatArray, threads: int | None = None) -> I
     return exceeded(tree, x, (close, max(close, _reach(spacings))), threads)
 
 
+def beyond(x: FloatArray, data: FloatArray) -> BoolArray:
+    """Return which points x (n, d) are not `near` the data (N, d), the spacing of many judged by some of them."""
+    tree = cKDTree(data)
+    spacings = nearest(tree, data[:: 1 + len(data) // SOME], 2)[0][:, 1:]
+    return exceeded(tree, x, (_near(spacings, data.shape[1], Frame.of(data).scale),)) > 0
+
+
 def exceeded(tree: cKDTree, x: FloatArray, radii: tuple[float, ...], threads: int | None = None) -> IntArray:
     """Return how many of some ascending distances are less than that from x (n, d) to the nearest point of the tree.
 
@@ -65,21 +73,21 @@ def exceeded(tree: cKDTree, x: FloatArray, radii: tuple[float, ...], threads: in
     [0, 1, 2]
     """
     if len(x) <= FEW:
-        return np.searchsorted(radii, nearest(tree, x, threads=threads)[0])
+        return np.searchsorted(radii, nearest(tree, x, within=2.0 * radii[-1], threads=threads)[0])
     lower, upper = x.min(axis=0), x.max(axis=0)
     side = max(float((upper - lower).max()) / BINS, SMALLEST * float(np.abs(x).max())) or 1.0
     counts = tuple(((upper - lower) // side).astype(np.intp) + 1)
     bins = by_rows(lambda part: _bins(x[part], lower, side, counts), len(x), threads)
     used = np.flatnonzero(np.bincount(bins))
     middles = lower + side * (np.stack(np.unravel_index(used, counts), axis=1) + 0.5)
-    distance = nearest(tree, middles, threads=threads)[0]
     extent = HALF * side * np.sqrt(len(lower))
+    distance = nearest(tree, middles, within=radii[-1] + 2.0 * extent, threads=threads)[0]
     least, most = (np.searchsorted(radii, distance + shift) for shift in (-extent, extent))
     table = np.full(int(np.prod(counts)), -1)
     table[used] = np.where(least == most, least, -1)
     found = table[bins]
     cut = np.flatnonzero(found < 0)
-    found[cut] = np.searchsorted(radii, nearest(tree, x[cut], threads=threads)[0])
+    found[cut] = np.searchsorted(radii, nearest(tree, x[cut], within=2.0 * radii[-1], threads=threads)[0])
     return found
 
 

@@ -66,12 +66,15 @@ class OrientedPoints:
     stream: PointStream | None = None
 
     @classmethod
-    def of(cls, given: PointSet | PointStream, neighbours: int) -> Self:
-        """Normalise, and orient if the caller gave no normals. Of a stream, only the sample is held."""
+    def of(cls, given: PointSet | PointStream, neighbours: int, frame: Frame | None = None) -> Self:
+        """Normalise, by default to the points' own frame, and orient if the caller gave no normals.
+
+        Of a stream, only the sample is held.
+        """
         if isinstance(given, PointStream):
-            held = cls.sampled(given.sample, given.frame, given.box, given.count)
+            held = cls.sampled(given.sample, frame or given.frame, given.box, given.count)
             return replace(held, planar=given.planar, stream=given)
-        frame = Frame.of(given.points)
+        frame = frame or Frame.of(given.points)
         x = frame.to_local(given.points)
         normals, source = (given.normals, NormalSource.GIVEN) if given.normals is not None else orient(x, neighbours)
         bounds = _grown(np.stack([x.min(axis=0), x.max(axis=0)]))

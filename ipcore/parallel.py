@@ -67,14 +67,14 @@ def ordered(function: Callable[[Item], Result], items: Iterable[Item], threads: 
     >>> list(ordered(len, iter(["one", "three"]), threads=2))
     [3, 5]
     """
-    workers = available() if threads is None else threads
+    workers = available() if threads is None or _asked.get() == 1 else threads
     if isinstance(items, Sized):
         workers = min(workers, len(items))
     if workers <= 1:
         yield from map(function, items)
         return
-    waiting: deque[Future[Result]] = deque()
-    with limited(1), ThreadPoolExecutor(workers, initializer=_asked.set, initargs=(1,)) as pool:
+    pool, waiting = _pool(workers), deque[Future[Result]]()
+    with limited(1):
         try:
             for item in items:
                 waiting.append(pool.submit(function, item))
@@ -85,6 +85,16 @@ def ordered(function: Callable[[Item], Result], items: Iterable[Item], threads: 
         finally:
             for future in waiting:  # after an error, nothing more is begun
                 future.cancel()
+
+
+@lru_cache(maxsize=8)
+def _pool(workers: int) -> ThreadPoolExecutor:
+    """Return threads that stay: to start some takes as long as a small piece of work. What they do uses one each."""
+    return ThreadPoolExecutor(workers, "ipcore", initializer=_asked.set, initargs=(1,))
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # threads do not follow into a forked process
 
 
 def mapped(function: Callable[[Item], Result], items: Iterable[Item], threads: int | None = None) -> list[Result]:

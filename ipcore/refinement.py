@@ -17,7 +17,9 @@ from scipy.linalg import solve_triangular
 from ipcore._typing import FloatArray, IntArray
 from ipcore.rowsource import RowSource
 
-ENOUGH = 1e-6  # of the residual: a correction that moves f by less is the last one, and the next would move it far less
+# A correction that moves f by a share ε of the residual was followed by one of 7 to 35 ε², on four surfaces at degrees
+# 12 and 13. So one that moves it by less than this is the last, and leaves 1e-8 of the residual, or 1e-9 of D_dist.
+ENOUGH = 2e-5
 SLOW, MOST = 0.5, 6  # a correction that moves f by more than this share of what the one before did is given up
 
 

@@ -10,7 +10,7 @@ from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
 from ipcore.prefix import Fitted
 from ipcore.result import Diagnostics, StopReason
-from ipcore.zero_set import zero_set
+from ipcore.straying import straying
 
 # The delivered coefficients may move the zero set by this much at the data, in mean radii, before a warning says so.
 DELIVERY_TOLERANCE = 1e-8
@@ -24,8 +24,6 @@ LOST = 1e-3
 UNSURE = 0.05
 # Ends that are what the caller asked for, and need no warning.
 AS_ASKED = {StopReason.CRITERION_MET, StopReason.CRITERION_MINIMUM, StopReason.DEGREE_REACHED}
-# Grid points along the longest axis of the bounds when the zero set is only measured.
-SURVEY_RESOLUTION = {2: 240, 3: 88}
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +46,7 @@ def diagnose(
     fitted, weights = best.polynomial, best.weights
     local = fitted.to_monomial() if options.basis is Basis.MONOMIAL else fitted.to_chebyshev()
     at = closeness(local, data, weights)
-    stray, components = _survey(local, data) if options.measure_zero_set else (None, None)
+    stray, components = straying(local, data.thinned.points) if options.measure_zero_set else (None, None)
     diagnostics = Diagnostics(
         at.d_dist,
         at.d_smooth,
@@ -66,13 +64,6 @@ def diagnose(
     )
     warnings = _warnings(diagnostics, reason, moved(fitted, local, data))
     return Diagnosis(data.to_raw(local), diagnostics, tuple(warnings))
-
-
-def _survey(local: ImplicitPolynomial, data: OrientedPoints) -> tuple[float | None, int]:
-    """Extract the zero set once, coarsely; return its stray share and its number of components."""
-    resolution = SURVEY_RESOLUTION[local.dimension]
-    whole = zero_set(local, resolution=resolution, data=data.thinned.points, restrict=False, cap=False)
-    return whole.stray, whole.components
 
 
 def _warnings(diagnostics: Diagnostics, reason: StopReason, shift: float) -> list[str]:

@@ -63,6 +63,37 @@ class DataRows:
         return np.add.reduce(g), np.add.reduce(rss)
 
 
+class SummedRows(DataRows):
+    """The same, with their moments already summed up to some degree."""
+
+    def __init__(self, data: OrientedPoints, options: FitOptions, moments: LayerMoments) -> None:
+        """Take the data, what concerns the rows, and the moments, in the data's frame."""
+        super().__init__(data, options)
+        self._moments = moments
+
+    def squared(self, degree: int) -> Triangle:
+        """Return the triangle by way of MᵀM."""
+        return self._moments.triangle() if degree <= self._moments.degree else super().squared(degree)
+
+
+class MomentRows:
+    """Rows of which nothing is left but their moments."""
+
+    def __init__(self, moments: LayerMoments) -> None:
+        """Take the moments."""
+        self._moments = moments
+
+    def squared(self, degree: int) -> Triangle:  # noqa: ARG002 - all there is
+        """Return the triangle by way of MᵀM."""
+        return self._moments.triangle()
+
+    def exact(self, degree: int) -> None:
+        """Return None: the rows are not there any more."""
+
+    def gradients(self, degree: int, A: FloatArray) -> None:
+        """Return None: the rows are not there any more."""
+
+
 def _moments(degree: int, offsets: tuple[float, ...], part: Part) -> LayerMoments:
     return LayerMoments.of(part.points, part.normals, degree, offsets)
 

@@ -121,7 +121,7 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     12.566
 
     """
-    axes = _grid_lines(polynomial, bounds, resolution)
+    axes = grid_lines(polynomial, bounds, resolution)
     box = np.array([line[[0, -1]] for line in axes]).T
     spacing = max(line[1] - line[0] for line in axes)
     mesh = polish(_extracted(polynomial, axes, threads), polynomial, box, spacing, threads)
@@ -139,7 +139,7 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     )
 
 
-def _grid_lines(polynomial: ImplicitPolynomial, bounds: FloatArray | None, resolution: int | None) -> list[FloatArray]:
+def grid_lines(polynomial: ImplicitPolynomial, bounds: FloatArray | None, resolution: int | None) -> list[FloatArray]:
     """Return the raw grid lines of each axis, as evenly spaced as whole numbers of them allow."""
     d = polynomial.dimension
     box = polynomial.bounds if bounds is None else np.asarray(bounds, dtype=np.float64)

@@ -49,13 +49,14 @@ class Settings(BaseSettings):
     )
     mesh_deadline: float = Field(60.0, gt=0, description="Seconds that reading an input or making a mesh may take.")
     max_body_bytes: int = Field(64 * 2**20, ge=1024, description="Largest request body, in bytes.")
-    max_points: int = Field(100_000, ge=4, description="Most points in a point set.")
+    max_points: int = Field(1_000_000, ge=4, description="Most points in a point set.")
     max_degree_2d: int = Field(40, ge=1, le=40, description="Highest `max_degree` that a 2D fit may ask for.")
     max_degree_3d: int = Field(20, ge=1, le=20, description="Highest `max_degree` that a 3D fit may ask for.")
     max_system_bytes: int = Field(
         4 * 2**30,
         ge=2**20,
-        description="Largest linear system that a fit may build, in bytes: 8 · points · equations each · coefficients.",
+        description="Largest linear system that a fit may hold as a whole, in bytes: 8 · points · equations each · "
+        "coefficients. Only other factors than moments and tsqr do.",
     )
     max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis for a 2D zero set.")
     max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis for a 3D zero set.")

@@ -4,19 +4,9 @@ from dataclasses import dataclass
 from math import comb
 from typing import Any
 
-from service.jobs.cost import DEFAULT_MAX_DEGREE
+from service.jobs.cost import DEFAULT_MAX_DEGREE, holds_system, rows_per_point
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
-
-
-def rows_per_point(constraints: str, dimension: int) -> int:
-    """Return how many equations a family of constraints has per point: layers, and components of the gradient.
-
-    >>> rows_per_point("3l+gradient", 3)
-    6
-    """
-    layers = {"3l": 3, "5l": 5, "3l+gradient": 3}.get(constraints, 1)
-    return layers if constraints in {"3l", "5l"} else layers + dimension
 
 
 @dataclass(frozen=True)
@@ -30,7 +20,7 @@ class Limits:
     max_degree, resolution
         Highest, by dimension.
     system_bytes
-        Largest linear system: doubles, a row per equation, a column per coefficient.
+        Largest linear system that is held at once: doubles, a row per equation, a column per coefficient.
     wait
         Longest wait, in seconds.
 
@@ -62,10 +52,10 @@ class Limits:
         degree = asked if asked is not None else min(DEFAULT_MAX_DEGREE[d], highest)
         rows = points.points * rows_per_point(options.get("constraints", "3l"), d)
         size = 8 * rows * min(comb(degree + d, d), points.points)
-        if size > self.system_bytes:
+        if holds_system(options) and size > self.system_bytes:
             raise TooLargeError(
                 f"{points.points} points up to degree {degree} make a system of {size} bytes; {self.system_bytes} are "
-                "allowed: lower max_degree, or send fewer points",
+                "allowed: lower max_degree, send fewer points, or take factor auto",
                 ("options", "max_degree"),
             )
         return options if degree == (asked or DEFAULT_MAX_DEGREE[d]) else options | {"max_degree": degree}

@@ -75,9 +75,11 @@ class FitOptions(BaseModel):
         description="What is added between two tests: all monomials of a degree, or one. `form` does not depend on "
         "how the points are turned. `monomial` may save a few coefficients and tests, at its cost, after each of them.",
     )
-    factor: Literal["auto", "block", "gram-schmidt"] = Field(
+    factor: Literal["auto", "moments", "tsqr", "block", "gram-schmidt"] = Field(
         "auto",
-        description="How the system is factored. `block`: Gram–Schmidt done twice, backward stable. `gram-schmidt`: "
+        description="How the system is factored. `moments`: from sums over the points, for 3l and 5l, refined on the "
+        "rows where squaring the condition would show; the fastest, in memory that does not grow with the points. "
+        "`tsqr`: by chunks of rows, backward stable. `block`: all at once, Gram–Schmidt done twice. `gram-schmidt`: "
         "eq. (5) as printed, to compare with; it loses orthogonality from about degree 12 on. `auto` chooses.",
     )
     collinear: Literal["drop", "ridge", "keep"] | None = Field(

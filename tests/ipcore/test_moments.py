@@ -42,6 +42,19 @@ def test_merged_and_extended_moments_equal_those_of_the_whole() -> None:
         np.testing.assert_allclose(merged.fit().polynomial(points), whole.fit().polynomial(points), atol=1e-9)
 
 
+def test_with_the_points_nothing_is_left_out() -> None:
+    points, normals = rough()
+    options = FitOptions.of(geometric=False, criterion="none", max_degree=13, measure_zero_set=False)
+    whole = ipcore.fit(points, normals, options)
+    summed = Moments.of(points, normals, degree=13)
+    split = summed.fit(options, points=points, normals=normals)
+    assert (split.degree, split.input_sha256) == (whole.degree, whole.input_sha256) == (13, whole.input_sha256)
+    for one, other in zip(split.steps, whole.steps, strict=True):
+        assert one.d_dist == pytest.approx(other.d_dist, rel=1e-9)
+    with pytest.raises(InvalidPointsError, match="moments of 6000 points, not of 5999"):
+        summed.fit(options, points=points[1:], normals=normals[1:])
+
+
 def test_nothing_is_added_by_no_points() -> None:
     points, normals = rough(500)
     some = Moments.of(points, normals, degree=3)

@@ -57,10 +57,12 @@ def test_a_limit_below_the_default_degree_becomes_the_default() -> None:
 def test_a_system_over_the_limit_is_refused() -> None:
     columns = 84  # of degree 6 in 3D
     most = 10_000_000 // (24 * columns)
-    LIMITS.checked(points(most, 3), {})
-    with pytest.raises(TooLargeError, match="lower max_degree, or send fewer points"):
-        LIMITS.checked(points(most + 1, 3), {})
-    LIMITS.checked(points(most + 1, 3), {"max_degree": 5})
+    held = {"factor": "block"}
+    LIMITS.checked(points(most, 3), held)
+    with pytest.raises(TooLargeError, match="lower max_degree, send fewer points, or take factor auto"):
+        LIMITS.checked(points(most + 1, 3), held)
+    LIMITS.checked(points(most + 1, 3), held | {"max_degree": 5})
+    LIMITS.checked(points(most + 1, 3), {})  # which holds none
 
 
 def test_a_resolution_over_the_limit_is_refused() -> None:
@@ -71,7 +73,7 @@ def test_a_resolution_over_the_limit_is_refused() -> None:
 
 
 def test_too_many_points_and_too_large_a_system_are_413(small: Server) -> None:
-    for content, query in ((npy(torus(10_001)), ""), (npy(torus(10_000)), "max_degree=12")):
+    for content, query in ((npy(torus(10_001)), ""), (npy(torus(10_000)), "max_degree=12&factor=block")):
         answer = small.client.post(f"/v1/fits?{query}", content=content, headers=NPY)
         assert (answer.status_code, answer.json()["type"]) == (413, "urn:ipfit:problem:too-large")
 
