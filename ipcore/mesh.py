@@ -58,13 +58,32 @@ def cell_vectors(vertices: FloatArray, cells: IntArray) -> FloatArray:
     >>> cell_vectors(np.array([[0.0, 0.0], [2.0, 0.0]]), np.array([[0, 1]])).tolist()       # inside: above
     [[0.0, -2.0]]
     """
-    origin, *others = (vertices[corner] for corner in cells.T)
+    origin, *others = (vertices.take(corner, axis=0) for corner in cells.T)  # which takes a fifth of the time of [ ]
     first, *more = ((other - origin).T for other in others)
+    out = np.empty(cells.shape)
     if not more:
-        return np.stack([first[1], -first[0]], axis=1)
+        out[:, 0], out[:, 1] = first[1], -first[0]
+        return out
     (second,) = more
     (x, y, z), (u, v, w) = first, second
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1) / 2.0
+    np.subtract(y * w, z * v, out=out[:, 0])
+    np.subtract(z * u, x * w, out=out[:, 1])
+    np.subtract(x * v, y * u, out=out[:, 2])
+    out /= 2.0
+    return out
+
+
+def cell_middles(vertices: FloatArray, cells: IntArray) -> FloatArray:
+    """Return the means (C, d) of the corners of cells (C, d).
+
+    >>> cell_middles(np.array([[0.0, 0.0], [2.0, 0.0]]), np.array([[0, 1]])).tolist()
+    [[1.0, 0.0]]
+    """
+    total = np.zeros(cells.shape)
+    for corner in cells.T:
+        total += vertices.take(corner, axis=0)
+    total /= cells.shape[1]
+    return total
 
 
 def labels(cells: IntArray, vertices: int) -> IntArray:

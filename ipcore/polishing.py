@@ -28,8 +28,8 @@ def polish(
     """
     v, moving = mesh.vertices, np.flatnonzero(~mesh.held.all(axis=1))
     for _ in range(STEPS):
-        x = v[moving]
-        step = by_rows(partial(_step, polynomial, x, mesh.held[moving]), len(x), threads)
+        x = v.take(moving, axis=0)
+        step = by_rows(partial(_step, polynomial, x, mesh.held.take(moving, axis=0)), len(x), threads)
         length = np.sqrt(np.einsum("vk,vk->v", step, step))
         step *= (0.5 * spacing / np.maximum(length, 0.5 * spacing))[:, None]
         moved = v.copy()

@@ -58,11 +58,12 @@ class Sampling:
         planes = part.reshape(len(part), -1)
         total = np.empty((len(x), planes.shape[1]))
         rows = max(1, CACHED // planes.shape[1])
+        room = np.empty((rows, planes.shape[1]))
         for row in range(0, len(x), rows):
             sums, factors = total[row : row + rows], x[row : row + rows, :, None]
             np.multiply(factors[:, 0], planes[0], out=sums)
             for k in range(1, len(planes)):
-                sums += factors[:, k] * planes[k]
+                sums += np.multiply(factors[:, k], planes[k], out=room[: len(sums)])
         out[_window(start - origin, stop - origin)] = total.reshape(len(x), *part.shape[1:])
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.extraction import extract
-from ipcore.mesh import SEGMENT, Mesh, cell_vectors, chains, labels
+from ipcore.mesh import SEGMENT, Mesh, cell_middles, cell_vectors, chains, labels
 from ipcore.nearness import remoteness
 from ipcore.parallel import by_rows
 from ipcore.polishing import polish, unit_normals
@@ -168,7 +168,7 @@ def _away(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None)
     d = mesh.vertices.shape[1]
     if data.shape[1:] != (d,) or len(data) <= 1 or not np.isfinite(data).all():
         raise InvalidPointsError(f"data must be at least 2 finite points, shape (N, {d})", ("data",))
-    middle = by_rows(lambda part: mesh.vertices[mesh.cells[part]].mean(axis=1), len(mesh.cells), threads)
+    middle = by_rows(lambda part: cell_middles(mesh.vertices, mesh.cells[part]), len(mesh.cells), threads)
     away = remoteness(middle, data, threads)
     return _share(mesh, surface, away > 0), away > 1
 
