@@ -13,7 +13,7 @@ def answer(search: DegreeSearch, alphas: Sequence[int], progress: Progress | Non
     """Search over these numbers of columns α, and report."""
     found = search.run(alphas, progress)
     loss = search.way.orthogonality_loss(found.step.columns)
-    diagnosis = diagnose(found.fitted, search.data, search.options, found.reason, loss)
+    diagnosis = diagnose(found, search.data, search.options, loss)
     return FitResult(
         diagnosis.polynomial,
         found.reason,

@@ -29,7 +29,7 @@ def closeness(polynomial: ImplicitPolynomial, data: OrientedPoints, weights: Flo
         sums += distances.sum(), cosines.sum()
         farthest = max(farthest, float(distances.max()))
     d_dist, d_smooth = (sums / data.count).tolist()
-    return Closeness(d_dist, d_smooth, closeness(polynomial, data.thinned).p95, farthest)
+    return Closeness(d_dist, d_smooth, farthest, closeness(polynomial, data.thinned).distances)
 
 
 def moved(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, data: OrientedPoints) -> float:

@@ -27,15 +27,17 @@ class Closeness:
     ----------
     d_dist, d_smooth
         The two means above.
-    p95, farthest
-        95th percentile and maximum of |f|/‖∇f‖, in mean radii.
+    farthest
+        The maximum of |f|/‖∇f‖, in mean radii.
+    distances
+        (N,), |f|/‖∇f‖ at the points that are held, in mean radii.
 
     """
 
     d_dist: float
     d_smooth: float
-    p95: float
     farthest: float
+    distances: FloatArray
 
     @classmethod
     def of(cls, distances: FloatArray, cosines: FloatArray, weights: FloatArray | None = None) -> "Closeness":
@@ -46,7 +48,12 @@ class Closeness:
         (0.05, 1.0)
         """
         d_dist, d_smooth = (float(np.average(x, weights=weights)) for x in (distances, cosines))
-        return cls(d_dist, d_smooth, float(np.quantile(distances, 0.95)), float(distances.max()))
+        return cls(d_dist, d_smooth, float(distances.max()), distances)
+
+    @property
+    def p95(self) -> float:
+        """Return the 95th percentile of the distances."""
+        return float(np.quantile(self.distances, 0.95))
 
 
 def distances_and_cosines(f: FloatArray, gradient: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,6 +1,7 @@
 """How near the data a zero set is to lie, and which of many points do, mostly without asking for each of them."""
 
 import numpy as np
+from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
@@ -21,7 +22,7 @@ GAP_FACTOR = 1.25
 # Bins along the longest axis of the box of the points that are asked for. What is near is a tenth of the data's radius
 # or more, so several bins: it cuts few of them.
 BINS = 64
-SOME = 4096  # points by which the spacing of many is judged: its median is off by 1/60 of the spread
+SOME = 1024  # points by which the spacing of many is judged: its median is off by 1/25 of the spread
 HALF = 0.501  # of a bin: a little more, for rounding …
 SMALLEST = 1e-9  # … which must be far less than a bin: so the least size of one, against the coordinates
 
@@ -57,10 +58,32 @@ def remoteness(x: FloatArray, data: FloatArray, threads: int | None = None) -> I
 
 
 def beyond(x: FloatArray, data: FloatArray) -> BoolArray:
-    """Return which points x (n, d) are not `near` the data (N, d), the spacing of many judged by some of them."""
-    tree = cKDTree(data)
+    """Return which points x (n, d) are not `near` the data (N, d), the spacing of many judged by some of them.
+
+    Cubic bins that hold data are near as a whole, and bins from which a ball reaches none that does are far; the tree
+    is asked for the points in between only.
+
+    >>> beyond(np.array([[0.1, 0.0], [1.5, 0.0], [9.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])).tolist()
+    [False, False, True]
+    """
+    if not len(x):
+        return np.zeros(0, dtype=np.bool_)
+    tree, d = cKDTree(data), data.shape[1]
     spacings = nearest(tree, data[:: 1 + len(data) // SOME], 2)[0][:, 1:]
-    return exceeded(tree, x, (_near(spacings, data.shape[1], Frame.of(data).scale),)) > 0
+    radius = _near(spacings, d, Frame.of(data).scale)
+    both = [np.concatenate(columns) for columns in zip(x.T, data.T, strict=True)]  # numpy is slow along rows of three
+    lower, upper = np.array([c.min() for c in both]), np.array([c.max() for c in both])
+    side = max(float((upper - lower).max()) / BINS, SMALLEST * float(np.abs([lower, upper]).max()))
+    counts = tuple(((upper - lower) // side).astype(np.intp) + 1)
+    holds = np.zeros(counts, dtype=np.bool_)
+    holds.ravel()[_bins(data, lower, side, counts)] = True
+    around = ndimage.maximum_filter(holds, 2 * int(np.ceil(radius / side)) + 1)
+    bins = _bins(x, lower, side, counts)
+    near = holds.ravel()[bins] & (2.0 * HALF * side * np.sqrt(d) < radius)
+    doubtful = np.flatnonzero(around.ravel()[bins] & ~near)
+    far = ~near
+    far[doubtful] = nearest(tree, x[doubtful], within=2.0 * radius)[0] > radius
+    return np.asarray(far)
 
 
 def exceeded(tree: cKDTree, x: FloatArray, radii: tuple[float, ...], threads: int | None = None) -> IntArray:

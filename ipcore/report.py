@@ -1,15 +1,19 @@
 """Look at the fit as it will be delivered, and say what a careful user should know."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
+from ipcore import parallel
 from ipcore.basis import Basis
 from ipcore.boundedness import is_bounded
 from ipcore.closeness import closeness, moved
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
-from ipcore.prefix import Fitted
 from ipcore.result import Diagnostics, StopReason
+from ipcore.search import Found
 from ipcore.straying import straying
 
 # The delivered coefficients may move the zero set by this much at the data, in mean radii, before a warning says so.
@@ -22,6 +26,7 @@ QUIET = 0.001
 LOST = 1e-3
 # Share of the box with unknown sides above which a warning says so: closed shapes have less than 2 %, scans more.
 UNSURE = 0.05
+FEW = 4096  # points up to which other threads are not worth starting
 # Ends that are what the caller asked for, and need no warning.
 AS_ASKED = {StopReason.CRITERION_MET, StopReason.CRITERION_MINIMUM, StopReason.DEGREE_REACHED}
 
@@ -35,18 +40,13 @@ class Diagnosis:
     warnings: tuple[str, ...]
 
 
-def diagnose(
-    best: Fitted,
-    data: OrientedPoints,
-    options: FitOptions,
-    reason: StopReason,
-    orthogonality_loss: float | None,
-) -> Diagnosis:
+def diagnose(found: Found, data: OrientedPoints, options: FitOptions, orthogonality_loss: float | None) -> Diagnosis:
     """Deliver a polynomial of the normalised frame: change basis and coordinates, and measure what comes out."""
-    fitted, weights = best.polynomial, best.weights
+    best, weights = found.fitted, found.fitted.weights
+    fitted = best.polynomial
     local = fitted.to_monomial() if options.basis is Basis.MONOMIAL else fitted.to_chebyshev()
-    at = closeness(local, data, weights)
-    stray, components = straying(local, data.thinned.points) if options.measure_zero_set else (None, None)
+    at = found.at if local is fitted else closeness(local, data, weights)
+    (stray, components), self_check, bounded = _looks(local, fitted, data, options)
     diagnostics = Diagnostics(
         at.d_dist,
         at.d_smooth,
@@ -55,15 +55,29 @@ def diagnose(
         stray,
         components,
         data.source,
-        data.self_check(),
-        is_bounded(fitted),
+        self_check,
+        bounded,
         orthogonality_loss,
         bool(best.quiet) if options.on_signs else None,
         best.unsure,
         None if weights is None else float((weights == 0.0).mean()),
     )
-    warnings = _warnings(diagnostics, reason, moved(fitted, local, data))
+    warnings = _warnings(diagnostics, found.reason, moved(fitted, local, data))
     return Diagnosis(data.to_raw(local), diagnostics, tuple(warnings))
+
+
+def _looks(
+    local: ImplicitPolynomial, fitted: ImplicitPolynomial, data: OrientedPoints, options: FitOptions
+) -> tuple[tuple[float | None, int | None], float, bool]:
+    """Return stray share and components, what the normals' check says, and whether the zero set is bounded."""
+
+    def zero_set() -> tuple[float | None, int | None]:
+        return straying(local, data.thinned.points) if options.measure_zero_set else (None, None)
+
+    threads = 1 if data.count < FEW else None
+    looks: list[Callable[[], Any]] = [zero_set, data.self_check, partial(is_bounded, fitted)]
+    zeros, check, bounded = parallel.mapped(lambda look: look(), looks, threads)
+    return zeros, check, bounded
 
 
 def _warnings(diagnostics: Diagnostics, reason: StopReason, shift: float) -> list[str]:

@@ -22,10 +22,11 @@ Progress = Callable[[Step], None]
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """How a search ended: its best fit, in the normalised frame, and what was noted of it."""
+    """How a search ended: its best fit, in the normalised frame, and what was noted and seen of it."""
 
     fitted: Fitted
     step: Step
+    at: Closeness
     reason: StopReason
 
 
@@ -54,7 +55,7 @@ class DegreeSearch:
     def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
         """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
         count, dimension = self.data.count, self.data.points.shape[1]
-        best: tuple[float, Fitted, Step] | None = None
+        best: tuple[float, Fitted, Step, Closeness] | None = None
         reason = self._judge.exhausted
         for alpha in alphas:
             if best is not None and alpha > max(count, dimension + 1):
@@ -64,10 +65,10 @@ class DegreeSearch:
             if tried is None:
                 reason = StopReason.ILL_CONDITIONED
                 break
-            fitted, step = tried
+            fitted, step, at = tried
             score = self._judge.score(step)
             if best is None or score < best[0]:
-                best = score, fitted, step
+                best = score, fitted, step, at
             if progress is not None:
                 progress(step)
             verdict = self._judge.verdict(step, best[2])
@@ -76,10 +77,10 @@ class DegreeSearch:
                 break
         if best is None:
             raise ValueError("a search needs at least one stop")
-        return Found(best[1], best[2], reason)
+        return Found(best[1], best[2], best[3], reason)
 
-    def _try(self, alpha: int) -> tuple[Fitted, Step] | None:
-        """Return the fit and what is noted of it; None if there is none with so many columns."""
+    def _try(self, alpha: int) -> tuple[Fitted, Step, Closeness] | None:
+        """Return the fit and what is noted and seen of it; None if there is none with so many columns."""
         started = perf_counter()
         fitted = self.way.raise_to(alpha)
         if fitted is None:
@@ -87,7 +88,7 @@ class DegreeSearch:
         at = closeness(fitted.polynomial, self.data, fitted.weights)
         step = self._step(fitted, at, started)
         self.steps.append(step)
-        return fitted, step
+        return fitted, step, at
 
     def _step(self, fitted: Fitted, at: Closeness, started: float) -> Step:
         asked = self.options.criterion is Criterion.BIC

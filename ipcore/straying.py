@@ -23,7 +23,7 @@ def straying(polynomial: ImplicitPolynomial, data: FloatArray) -> tuple[float, i
     Stray is what lies farther than `nearness.near` from all data (N, d), raw, N ≥ 2; if there is no zero set, all is.
 
     >>> from ipcore import shapes
-    >>> points, _ = shapes.ellipse().sample(200)
+    >>> points, _ = shapes.ellipse().sample(500)
     >>> straying(shapes.ellipse().polynomial, points)
     (0.0, 1)
     """
