@@ -1,6 +1,5 @@
 """Look at the fit as it will be delivered, and say what a careful user should know."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -75,7 +74,7 @@ def _looks(
         return straying(local, data.thinned.points) if options.measure_zero_set else (None, None)
 
     threads = 1 if data.count < FEW else None
-    looks: list[Callable[[], Any]] = [zero_set, data.self_check, partial(is_bounded, fitted)]
+    looks: list[Any] = [zero_set, data.self_check, partial(is_bounded, fitted)]
     zeros, check, bounded = parallel.mapped(lambda look: look(), looks, threads)
     return zeros, check, bounded
 
