@@ -45,9 +45,8 @@ class CompressedFit(GrowingFit):
         small = rows * monomials.count(d, self._last) <= SMALL and options.factor is Factor.AUTO
         squares = bool(families.offsets(options)) and options.factor is not Factor.TSQR
         self._squares = squares and not small
-        self._triangle = Triangle.empty()
-        self._refined: dict[int, Refinement] = {}  # by the number of columns
-        self._factor = self._factorisation()
+        self._refined: dict[int, Refinement]  # by the number of columns
+        self._take(Triangle.empty())
 
     def raise_to(self, alpha: int) -> Fitted | None:
         """Solve for the first α columns; None if they cannot be told apart any more."""
@@ -57,7 +56,8 @@ class CompressedFit(GrowingFit):
         self._append(self._factor, alpha)
         solved = self._solved(alpha)
         if solved is None:  # squaring the condition shows, for good
-            self._squares, self._triangle = False, Triangle.empty()
+            self._squares = False
+            self._take(Triangle.empty())
             return self.raise_to(alpha)
         a, rss = solved
         return self._step(self._data.polynomial(degree, a, Basis.MONOMIAL), self._triangle.rows, rss)
@@ -67,7 +67,7 @@ class CompressedFit(GrowingFit):
 
     def _columns(self, start: int, stop: int) -> FloatArray:
         """Return columns of R, with a row of zeros for ρ below."""
-        return np.pad(self._triangle.R[:, start:stop], ((0, 1), (0, 0)))
+        return self._R[:, start:stop]
 
     def _make(self, degree: int) -> bool:
         """Make a triangle for this degree and some more, and start its factorisation; return whether there is one."""
@@ -78,9 +78,14 @@ class CompressedFit(GrowingFit):
             self._squares = False
             triangle = self._source.exact(reach)
         if triangle is not None:
-            self._triangle, self._refined = triangle, {}
-            self._factor = self._factorisation()
+            self._take(triangle)
         return triangle is not None
+
+    def _take(self, triangle: Triangle) -> None:
+        """Go on with this triangle."""
+        self._triangle, self._refined = triangle, dict[int, Refinement]()
+        self._R = np.vstack([triangle.R, np.zeros((1, triangle.columns))])
+        self._factor = self._factorisation()
 
     def _factorisation(self) -> Triangular:
         options, t = self._options, self._triangle
