@@ -11,6 +11,9 @@ from service.jobs.cost import SHORT
 
 TASK = "fit"
 SHORT_QUEUE, LONG_QUEUE = "short", "long"
+# Seconds within which a job comes that is to be tried again. If it is set for later, and its fit is not held, the clock
+# of the machine that set it was wrong.
+AHEAD = 120.0
 # Where the ids of fits that have ended are told (PostgreSQL's NOTIFY).
 ENDED = "ipfit_ended"
 
@@ -37,9 +40,12 @@ class PostgresLine:
         connection.execute(text("SELECT pg_notify(:channel, :fit)"), {"channel": ENDED, "fit": fit_id})
 
     def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
-        """Return those of the jobs that nobody has taken yet."""
-        query = text("SELECT id FROM procrastinate_jobs WHERE id = ANY(:jobs) AND status = 'todo'")
-        return set(connection.execute(query, {"jobs": list(jobs)}).scalars())
+        """Return those of the jobs that nobody has taken yet, and that are due."""
+        query = text(
+            "SELECT id FROM procrastinate_jobs WHERE id = ANY(:jobs) AND status = 'todo'"
+            " AND (scheduled_at IS NULL OR scheduled_at < clock_timestamp() + make_interval(secs => :ahead))"
+        )
+        return set(connection.execute(query, {"jobs": list(jobs), "ahead": AHEAD}).scalars())
 
 
 def schema() -> str:

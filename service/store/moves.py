@@ -27,7 +27,7 @@ class Line(Protocol):
         """Tell everybody that a fit has ended."""
 
     def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
-        """Return those of the jobs that nobody has taken yet."""
+        """Return those of the jobs that nobody has taken yet, and that are due."""
 
 
 def clock(connection: Connection) -> datetime:
