@@ -86,12 +86,21 @@ class Postgres:
             row = connection.execute(query, [share]).fetchone()
         return int(row[0]) if row else 0
 
-    def database(self) -> str:
-        """Make a database and return its URL."""
+    def database(self, more: str = "") -> str:
+        """Make a database, as `more` says in SQL, and return its URL."""
         name = f"test_{uuid4().hex[:12]}"
-        with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
-            connection.execute(f"CREATE DATABASE {name}")  # type: ignore[call-overload,unused-ignore] # our own name
+        self.tell(f"CREATE DATABASE {name} {more}")
         return self.url(name)
+
+    def tell(self, statement: str) -> None:
+        """Run a statement of our own."""
+        with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
+            connection.execute(statement.encode())
+
+    def give(self, folder: Path) -> None:
+        """Let the server write in a folder."""
+        if "user" in self._as:
+            os.chown(folder, NOBODY, NOBODY)
 
     def url(self, database: str) -> str:
         return f"postgresql://postgres@/{database}?host={self._folder}"
