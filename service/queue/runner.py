@@ -88,6 +88,7 @@ class Runner:
                 return
             failure = Failure("worker-crashed", f"The worker process died {MAX_CRASHES} times.")
         except NotReadyError as error:
+            logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
             if attempt < MAX_AWAY:
                 await self._insist(self._store.release, fit_id, attempt)
                 raise
