@@ -1,6 +1,7 @@
 """The line of fits in PostgreSQL: Procrastinate's jobs, changed in the transactions that change the fits."""
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from procrastinate import App, SyncPsycopgConnector
@@ -48,9 +49,15 @@ class PostgresLine:
         return set(connection.execute(query, {"jobs": list(jobs), "ahead": AHEAD}).scalars())
 
 
-def schema() -> str:
-    """Return the SQL that makes Procrastinate's tables."""
-    return SchemaManager.get_schema()
+def make(connection: Connection) -> None:
+    """Make Procrastinate's tables."""
+    connection.exec_driver_sql(SchemaManager.get_schema().replace("%", "%%"))
+
+
+def steps() -> dict[str, str]:
+    """Return the name and the SQL of each step between the versions of Procrastinate's tables, the oldest first."""
+    files = sorted(Path(SchemaManager.get_migrations_path()).glob("*.sql"))
+    return {file.stem: file.read_text(encoding="utf-8") for file in files}
 
 
 def _raw(connection: Connection) -> Any:  # noqa: ANN401 - psycopg's, which Procrastinate takes as Any

@@ -14,19 +14,21 @@ from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, Fit, FitStatus, Holder, PointSetRef
-from service.queue.postgres import PostgresLine, schema
+from service.queue.postgres import PostgresLine, make, steps
 from service.store.fits import SqlFits
 from service.store.tables import postgres_engine, sqlite_engine
+from service.store.versions import Part
 from tests.service.postgres import Postgres
 
 LIMIT = 40
+QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
 ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
 NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
 
 
 @pytest.fixture(scope="session")
 def database(postgres: Postgres) -> Iterator[Engine]:
-    engine = postgres_engine(postgres.database(), schema())
+    engine = postgres_engine(postgres.database(), QUEUE)
     yield engine
     engine.dispose()
 
