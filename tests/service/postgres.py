@@ -68,11 +68,12 @@ class Postgres:
         while any(alive(pid) for pid in family):
             time.sleep(0.01)
 
-    def kill_one(self) -> bool:
-        """Kill one process that serves a connection; the server then cuts all others and recovers."""
+    def kill_one(self, *, client: bool = True) -> bool:
+        """Kill one process that serves a connection, or one of the others; the server then cuts all and recovers."""
+        which = "datname LIKE 'test%'" if client else "backend_type <> 'client backend'"
         with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
-            query = "SELECT pid FROM pg_stat_activity WHERE datname LIKE 'test%' ORDER BY random() LIMIT 1"
-            row = connection.execute(query).fetchone()
+            query = f"SELECT pid FROM pg_stat_activity WHERE {which} ORDER BY random() LIMIT 1"  # noqa: S608 - as above
+            row = connection.execute(query.encode()).fetchone()
         if row is not None:
             with suppress(ProcessLookupError):
                 os.kill(row[0], signal.SIGKILL)
