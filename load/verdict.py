@@ -110,7 +110,8 @@ class Verdict:
     def _final(self, promise: Promise, end: float) -> dict[str, Any] | None:
         """Return the fit when it has ended or time is up; None if there is none."""
         while True:
-            answer = self._asker.ask("GET", f"/v1/fits/{promise.fit}", headers={"Prefer": "wait=10"})
+            patience = max(0, min(10, int(end - time.monotonic())))  # none for those that are looked at when time is up
+            answer = self._asker.ask("GET", f"/v1/fits/{promise.fit}", headers={"Prefer": f"wait={patience}"})
             if answer is not None and answer.status_code == httpx.codes.NOT_FOUND:
                 return None
             fit: dict[str, Any] = answer.json() if answer is not None and answer.is_success else {"status": "unknown"}

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 from uuid import uuid4
 
 import orjson
@@ -22,40 +22,9 @@ from service.jobs.errors import (
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
-from service.jobs.ports import BlobStore, FitQueue, FitStore
+from service.jobs.ports import BlobStore, Draughtsman, FitQueue, FitStore, Reader
 
 T = TypeVar("T")
-
-
-class Reader(Protocol):
-    """Turns a body into a checked point set."""
-
-    async def read(self, body: bytes | Path, kind: str) -> PointSet:
-        """Read and check.
-
-        Raises
-        ------
-        InvalidInputError
-            If it cannot be fitted.
-
-        """
-
-    def check(self, dimension: int, options: dict[str, Any]) -> None:
-        """Refuse options that cannot be meant, alone or together.
-
-        Raises
-        ------
-        InvalidInputError
-            If there are any; `at` names one.
-
-        """
-
-
-class Draughtsman(Protocol):
-    """Draws zero sets."""
-
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: Drawing) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
 
 
 class FitDesk:

@@ -1,9 +1,11 @@
 """What the use cases need from the outside, as Protocols; `service.bootstrap` puts the real ones in."""
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from service.jobs.fit import Failure, Fit, FitStatus, Holder
+from service.jobs.drawing import Drawing
+from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
 
 T = TypeVar("T")
 
@@ -136,3 +138,34 @@ class FitQueue(Protocol):
 
     async def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees tried so far by a running fit."""
+
+
+class Reader(Protocol):
+    """Turns a body into a checked point set."""
+
+    async def read(self, body: bytes | Path, kind: str) -> PointSet:
+        """Read and check.
+
+        Raises
+        ------
+        InvalidInputError
+            If it cannot be fitted.
+
+        """
+
+    def check(self, dimension: int, options: dict[str, Any]) -> None:
+        """Refuse options that cannot be meant, alone or together.
+
+        Raises
+        ------
+        InvalidInputError
+            If there are any; `at` names one.
+
+        """
+
+
+class Draughtsman(Protocol):
+    """Draws zero sets."""
+
+    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: Drawing) -> bytes:
+        """Return a file with the zero set of a fit's result, given its point set."""

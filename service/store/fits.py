@@ -161,21 +161,10 @@ class SqlFits:
 
         There should be none. But a connection may be cut in the very moment in which a job's end is written down.
         """
-        line = self._line
-        if line is None:
+        if self._line is None:
             return 0
         with self._engine.begin() as connection:
-            now = moves.clock(connection)
-            live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
-            idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
-            query = select(fits.c.id, fits.c.cost, fits.c.job).where(live, idle).with_for_update(skip_locked=True)
-            found = connection.execute(query).all()
-            in_line = line.in_line(connection, [one.job for one in found])
-            lost = [one for one in found if one.job not in in_line]
-            for one in lost:
-                job = line.join(connection, one.id, one.cost)
-                connection.execute(update(fits).where(fits.c.id == one.id).values(job=job, touched=now))
-        return len(lost)
+            return moves.rejoin(connection, self._line, seconds)
 
     def outdated(self, age: float, size: int) -> list[str]:
         """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
