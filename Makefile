@@ -57,9 +57,9 @@ chaos: $(VENV)/.dev-stamp ## kill everything at random under load, on both engin
 	$(BIN)/python -m load.chaos cluster $(ARGS)
 
 lock: .venv-lock/.stamp ## write requirements.lock and those of tests/ and bench/ anew
-	$(COMPILE) -o requirements.lock pyproject.toml
-	$(COMPILE) --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
-	$(COMPILE) --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
+	$(COMPILE) --extra s3 -o requirements.lock pyproject.toml
+	$(COMPILE) --extra s3 --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+	$(COMPILE) --extra s3 --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
 
 clean: ## remove the environments, caches and build products (data stays)
 	rm -rf $(VENV) .venv-lock build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache \

@@ -63,6 +63,9 @@ def _run(fleet: Fleet, log: Log, told: argparse.Namespace) -> bool:
         caller.start()
     chance = random.Random(told.seed)  # noqa: S311 - no secret
     while len(log.promises) < told.fits or fleet.kills.total() < told.kills:
+        if log.silent() > verdict.QUIET:
+            log.unexplained.append(f"nothing was accepted any more for {verdict.QUIET:g} s")
+            break
         time.sleep(chance.expovariate(1.0 / told.pause))
         if fleet.kills.total() * told.fits <= told.kills * len(log.promises):  # from the first fit to the last
             fleet.strike(chance)

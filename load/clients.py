@@ -62,6 +62,17 @@ class Log:
     answers: Counter[str] = field(default_factory=Counter)
     unexplained: list[str] = field(default_factory=list)
     lock: Lock = field(default_factory=Lock)
+    last: float = field(default_factory=time.monotonic)
+
+    def promised(self, promise: Promise) -> None:
+        """Write down a promise."""
+        with self.lock:
+            self.promises.append(promise)
+            self.last = time.monotonic()
+
+    def silent(self) -> float:
+        """Return the seconds since the last promise."""
+        return time.monotonic() - self.last
 
     def note(self, answer: str) -> None:
         """Count an answer."""
@@ -98,10 +109,10 @@ class Caller:
             if answer is not None and answer.status_code in (200, 202):
                 fit = answer.json()
                 promise = Promise(kind, key, fit["id"], seen=fit if fit["status"] in FINAL else None)
-                with self._log.lock:
-                    self._log.promises.append(promise)
+                self._log.promised(promise)
                 return promise
             full = answer is not None and "queue-full" in answer.text
+            sent = not full  # a fit that is stored is found by its key before the queue is looked at
             time.sleep(self._chance.uniform(0.5, 1.5) if full else self._chance.uniform(0.05, 0.3))
         return None
 

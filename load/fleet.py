@@ -4,67 +4,25 @@ import os
 import random
 import signal
 import socket
-import subprocess
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event, Thread, Timer
 
 import psycopg
 
+from load.program import Program
 from tests.service.postgres import Postgres
-from tests.service.running import alive, children
+from tests.service.running import alive
 
-COMMAND = Path(sys.executable).parent / "ipfit"
-# Short leases, so that what a dead process held comes back within seconds; a queue that fills.
-SETTINGS: dict[str, object] = {
-    "WORKERS": 1,
-    "SHORT_WORKERS": 1,
-    "LEASE": 5,
-    "QUEUE_LIMIT": 12,
-    "SHUTDOWN_GRACE": 1,
-    "TASKS_PER_WORKER": 20,
-}
 # Seconds after which a dead process is started again.
 RESTART = 0.2
+# Seconds that a worker is stopped: more than its leases last, and than others take to notice.
+FREEZE = 12.0
 
 Strike = Callable[[random.Random], None]
-
-
-class Program:
-    """One `ipfit` command, run again whenever it has ended."""
-
-    def __init__(self, command: str, log: Path, settings: dict[str, object]) -> None:
-        self._command, self._log = command, log
-        self._settings = {f"IPFIT_{name}": str(value) for name, value in (SETTINGS | settings).items()}
-        self._settings["TMPDIR"] = str(log.parent)  # what the killed leave behind goes when the run is over
-        self.process: subprocess.Popen[bytes] | None = None
-        self.starts = 0
-
-    def run(self) -> None:
-        """Start, unless it runs."""
-        if self.process is None or self.process.poll() is not None:
-            self.starts += 1
-            with self._log.open("ab") as log:
-                self.process = subprocess.Popen(  # noqa: S603 - our own command
-                    [COMMAND, self._command], env=os.environ | self._settings, stdout=log, stderr=log
-                )
-
-    @property
-    def pid(self) -> int | None:
-        """Return its process, if it runs."""
-        return self.process.pid if self.process is not None and self.process.poll() is None else None
-
-    def fork_servers(self) -> list[int]:
-        """Return the processes that its workers come from."""
-        return [] if self.pid is None else [one for one in children(self.pid) if children(one)]
-
-    def workers(self) -> list[int]:
-        """Return the processes that fit."""
-        return [] if self.pid is None else [worker for one in children(self.pid) for worker in children(one)]
 
 
 class Fleet:
@@ -75,9 +33,10 @@ class Fleet:
         self.postgres = Postgres() if cluster else None
         self.database = self.postgres.database() if self.postgres else None
         self.ports = [_free_port() for _ in range(2 if cluster else 1)]
+        self.blobs = folder / "blobs" if cluster else folder / "data" / "blobs"
         shared: dict[str, object] = {}
         if cluster:
-            shared = {"DATABASE_URL": self.database, "BLOBS_URL": f"file://{folder}/blobs"}
+            shared = {"DATABASE_URL": self.database, "BLOBS_URL": f"file://{self.blobs}"}
         self.servers = [
             Program("serve", folder / f"serve-{port}.log", {"PORT": port, "DATA_DIR": folder / "data", **shared})
             for port in self.ports
@@ -85,6 +44,7 @@ class Fleet:
         self.hands = [Program("worker", folder / f"worker-{i}.log", shared) for i in range(2)] if cluster else []
         self.kills: Counter[str] = Counter()
         self.other: Counter[str] = Counter()
+        self._struck: set[Strike] = set()
         self._ended = Event()
         self._keeper = Thread(target=self._keep_running, name="supervisor", daemon=True)
 
@@ -104,22 +64,32 @@ class Fleet:
             self.postgres.remove()
 
     def strike(self, chance: random.Random) -> None:
-        """Do one random thing that a machine room does to processes."""
+        """Do one random thing that a machine room does to processes: first each kind of thing, then any."""
         strikes: dict[Strike, int] = {
             self._kill_worker: 50,
             self._kill_fork_server: 8,
+            self._kill_tracker: 4,
             self._kill_server: 18,
             self._stop_gently: 4,
         }
         if self.postgres is not None:
-            strikes |= {self._kill_hand: 16, self._kill_database: 3, self._kill_backend: 5, self._cut: 8}
-        chance.choices(list(strikes), list(strikes.values()))[0](chance)
+            strikes |= {self._kill_hand: 16, self._kill_database: 3, self._cut: 8}
+            strikes |= {self._kill_backend: 4, self._kill_helper: 2, self._freeze: 3}
+        missing = [one for one in strikes if one not in self._struck]
+        chosen = chance.choice(missing) if missing else chance.choices(list(strikes), list(strikes.values()))[0]
+        before = self.kills.total() + self.other.total()
+        chosen(chance)
+        if self.kills.total() + self.other.total() > before:
+            self._struck.add(chosen)
 
     def _kill_worker(self, chance: random.Random) -> None:
         self._kill("worker process", [pid for one in self.servers + self.hands for pid in one.workers()], chance)
 
     def _kill_fork_server(self, chance: random.Random) -> None:
         self._kill("fork server", [pid for one in self.servers + self.hands for pid in one.fork_servers()], chance)
+
+    def _kill_tracker(self, chance: random.Random) -> None:
+        self._kill("resource tracker", [pid for one in self.servers + self.hands for pid in one.trackers()], chance)
 
     def _kill_server(self, chance: random.Random) -> None:
         self._kill("ipfit serve", [one.pid for one in self.servers if one.pid], chance)
@@ -139,10 +109,25 @@ class Fleet:
         with suppress(psycopg.Error):  # it may be recovering from the last time
             self.kills["PostgreSQL backend"] += self.postgres.kill_one()
 
+    def _kill_helper(self, _chance: random.Random) -> None:
+        """Kill one that serves nobody: it writes the log, or makes checkpoints."""
+        assert self.postgres is not None  # noqa: S101 - as above
+        with suppress(psycopg.Error):
+            self.kills["PostgreSQL helper"] += self.postgres.kill_one(client=False)
+
     def _cut(self, _chance: random.Random) -> None:
         assert self.postgres is not None  # noqa: S101 - as above
         with suppress(psycopg.Error):
             self.other["connections cut"] += self.postgres.cut(0.5)
+
+    def _freeze(self, chance: random.Random) -> None:
+        """Stop a worker for longer than its leases last; it wakes up holding fits that others have taken over."""
+        if pids := [one.pid for one in self.hands if one.pid]:
+            pid = chance.choice(pids)
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGSTOP)
+                self.other["SIGSTOP"] += 1
+                Timer(FREEZE, _thaw, [pid]).start()
 
     def _stop_gently(self, chance: random.Random) -> None:
         """Stop a program as its supervisor does, once or with impatience."""
@@ -166,6 +151,11 @@ class Fleet:
         while not self._ended.wait(RESTART):
             for program in [*self.servers, *self.hands]:
                 program.run()
+
+
+def _thaw(pid: int) -> None:
+    with suppress(ProcessLookupError):  # it was killed meanwhile
+        os.kill(pid, signal.SIGCONT)
 
 
 def _free_port() -> int:

@@ -1,5 +1,6 @@
 """Every promise, held against what the store did and against what the servers say in the end."""
 
+import hashlib
 import sqlite3
 import time
 from collections import Counter
@@ -14,19 +15,20 @@ from load.clients import FINAL, Caller, Log, Promise
 from load.fleet import Fleet
 from service.jobs.fit import MAX_ABANDONED, MAX_CRASHES, MOVES, FitStatus
 
-# The store itself writes down every move, in the transaction that makes it.
-SQLITE = """
+# The store itself writes down every move, in the transaction that makes it: also that from an end to the same end.
+MOVED = "OLD.status <> NEW.status OR OLD.status IN ('successful', 'failed', 'dismissed')"
+SQLITE = f"""
 CREATE TABLE audit (fit TEXT, old TEXT, new TEXT);
-CREATE TRIGGER audit AFTER UPDATE OF status ON fits WHEN OLD.status <> NEW.status
+CREATE TRIGGER audit AFTER UPDATE OF status ON fits WHEN {MOVED}
 BEGIN INSERT INTO audit VALUES (OLD.id, OLD.status, NEW.status); END;
-"""
-POSTGRESQL = """
+"""  # noqa: S608 - our own words
+POSTGRESQL = f"""
 CREATE TABLE audit (fit TEXT, old TEXT, new TEXT);
 CREATE FUNCTION audit() RETURNS trigger LANGUAGE plpgsql AS
 'BEGIN INSERT INTO audit VALUES (OLD.id, OLD.status, NEW.status); RETURN NEW; END';
-CREATE TRIGGER audit AFTER UPDATE OF status ON fits FOR EACH ROW WHEN (OLD.status <> NEW.status)
+CREATE TRIGGER audit AFTER UPDATE OF status ON fits FOR EACH ROW WHEN ({MOVED})
 EXECUTE FUNCTION audit();
-"""
+"""  # noqa: S608 - as above
 # Why a fit may fail here, in the service's words.
 CRASHED = f"The worker process died {MAX_CRASHES} times."
 LEFT = f"The process that supervised the fit died {MAX_ABANDONED} times."
@@ -75,6 +77,7 @@ class Verdict:
             self._judge(promise, fit)
         self._judge_moves()
         self._judge_keys()
+        self._judge_points()
 
     def _judge(self, promise: Promise, fit: dict[str, Any] | None) -> None:
         if fit is None:
@@ -107,7 +110,8 @@ class Verdict:
     def _final(self, promise: Promise, end: float) -> dict[str, Any] | None:
         """Return the fit when it has ended or time is up; None if there is none."""
         while True:
-            answer = self._asker.ask("GET", f"/v1/fits/{promise.fit}", headers={"Prefer": "wait=10"})
+            patience = max(0, min(10, int(end - time.monotonic())))  # none for those that are looked at when time is up
+            answer = self._asker.ask("GET", f"/v1/fits/{promise.fit}", headers={"Prefer": f"wait={patience}"})
             if answer is not None and answer.status_code == httpx.codes.NOT_FOUND:
                 return None
             fit: dict[str, Any] = answer.json() if answer is not None and answer.is_success else {"status": "unknown"}
@@ -127,10 +131,18 @@ class Verdict:
     def _judge_keys(self) -> None:
         """There is one fit for each key, and none that nobody was told of."""
         told = {promise.key: promise.fit for promise in self._log.promises}
-        kept = dict(rows(self._fleet, "SELECT key, id FROM fits WHERE key IS NOT NULL"))
-        self.wrong += [f"{fit} is stored, and nobody was told" for key, fit in kept.items() if told.get(key) != fit]
+        in_peace = {fit["id"] for fit in self._reference}
+        kept = [(key, fit) for key, fit in rows(self._fleet, "SELECT key, id FROM fits") if fit not in in_peace]
+        self.wrong += [f"{fit} is stored, and nobody was told" for key, fit in kept if told.get(key) != fit]
         if len(told) != len(self._log.promises) or len(set(told.values())) != len(told):
             self.wrong.append("two promises have one key or one fit")
+
+    def _judge_points(self) -> None:
+        """Every fit has its points, and they are what their name says."""
+        kept = {path.name: path for path in (self._fleet.blobs).rglob("*") if path.is_file()}
+        for (key,) in rows(self._fleet, "SELECT DISTINCT input FROM fits"):
+            if key not in kept or hashlib.sha256(kept[key].read_bytes()).hexdigest() != key:
+                self.wrong.append(f"the points {key} are lost")
 
 
 def in_peace(ask: Callable[..., httpx.Response | None], kinds: list[tuple[bytes, str]]) -> list[dict[str, Any]]:

@@ -1,13 +1,13 @@
 """Take a request's body in without holding a large one in memory."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 from fastapi import Request
 
-from service.jobs.errors import TooLargeError
+from service.jobs.errors import NotReadyError, TooLargeError
 
 # Up to this size a body is read and checked where it arrived, in a millisecond or two; a larger one goes through a file
 # to a worker process.
@@ -22,6 +22,8 @@ async def received(request: Request, most: int, folder: Path) -> AsyncIterator[b
     ------
     TooLargeError
         As soon as it is known that more than `most` bytes come.
+    NotReadyError
+        If there is no room for a large one.
 
     """
     announced = request.headers.get("content-length", "")
@@ -35,16 +37,30 @@ async def received(request: Request, most: int, folder: Path) -> AsyncIterator[b
     else:
         yield bytes(head)
         return
-    with NamedTemporaryFile(dir=folder, prefix="body-") as file:
-        size = file.write(head)
-        async for chunk in stream:
-            size += file.write(chunk)
+    with _room():
+        file = NamedTemporaryFile(dir=folder, prefix="body-", delete=False)  # noqa: SIM115 - closed below
+    path = Path(file.name)
+    try:
+        with _room(), file:
+            size = file.write(head)
+            async for chunk in stream:
+                size += file.write(chunk)
+                if size > most:
+                    raise _too_large(most)
             if size > most:
                 raise _too_large(most)
-        if size > most:
-            raise _too_large(most)
-        file.flush()
-        yield Path(file.name)
+        yield path
+    finally:
+        path.unlink(missing_ok=True)  # noqa: ASYNC240 - a moment, as all of the above
+
+
+@contextmanager
+def _room() -> Iterator[None]:
+    """Say that the disk is full, or whatever else the system has against a file, as something that may pass."""
+    try:
+        yield
+    except OSError as error:
+        raise NotReadyError(f"the body cannot be taken in at the moment: {error.strerror}") from error
 
 
 def _too_large(most: int) -> TooLargeError:

@@ -8,19 +8,22 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import psycopg
 from psycopg.conninfo import make_conninfo
 from sqlalchemy import Engine
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import SQLAlchemyError
 
 from service.api.context import Context
 from service.bootstrap import parts
+from service.queue import postgres
 from service.queue.crew import Crew
-from service.queue.postgres import PostgresLine, schema
+from service.queue.postgres import PostgresLine
 from service.queue.replica import ReplicaQueue
 from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.tables import PATIENCE, postgres_engine
+from service.store.versions import Part
 
 logger = logging.getLogger(__name__)
 
@@ -31,7 +34,8 @@ PAUSE = 1.0
 @asynccontextmanager
 async def context(settings: Settings) -> AsyncIterator[Context]:
     """Yield the parts of a replica of the API, and close them again."""
-    async with _engine(str(settings.database_url)) as engine:
+    async with _engine(settings) as engine:
+        await _reached(engine)  # if it is not, requests try again, and are answered with 503 meanwhile
         store, blobs = _stores(settings, engine)
         queue = ReplicaQueue(store, _patient(settings))
         listening = asyncio.create_task(queue.listen())
@@ -45,7 +49,9 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
 
 async def work(settings: Settings) -> None:
     """Run fits until SIGTERM; on a second one, end at once."""
-    async with _engine(str(settings.database_url)) as engine, parts.fitters(settings) as fitters:
+    async with _engine(settings) as engine, parts.fitters(settings) as fitters:
+        while not await _reached(engine):  # noqa: ASYNC110 - nothing tells when it is there
+            await asyncio.sleep(PAUSE)
         store, blobs = _stores(settings, engine)
         retention = parts.retention(settings, store, blobs)
 
@@ -79,16 +85,28 @@ def _stores(settings: Settings, engine: Engine) -> tuple[SqlFits, Blobs]:
 
 
 @asynccontextmanager
-async def _engine(url: str) -> AsyncIterator[Engine]:
-    """Yield an engine on a database that is ready, as soon as it is."""
-    while True:
-        try:
-            engine = await asyncio.to_thread(postgres_engine, url, schema())
-            break
-        except OperationalError as error:
-            logger.warning("the database cannot be reached; the next try is in %g s: %s", PAUSE, error)
-            await asyncio.sleep(PAUSE)
+async def _engine(settings: Settings) -> AsyncIterator[Engine]:
+    """Yield an engine on the database."""
+    queue = Part("procrastinate", "procrastinate_jobs", postgres.make, postgres.steps())
+    engine = postgres_engine(str(settings.database_url), queue)
     try:
         yield engine
     finally:
         engine.dispose()
+
+
+async def _reached(engine: Engine) -> bool:
+    """Return whether the database answers and takes writes; its tables are then up to date.
+
+    Raises
+    ------
+    DatabaseVersionError
+        If it is not for this version of the program.
+
+    """
+    try:
+        await asyncio.to_thread(lambda: engine.connect().close())
+    except (SQLAlchemyError, psycopg.Error) as error:
+        logger.warning("the database cannot be used; the next try is in %g s: %s", PAUSE, error)
+        return False
+    return True

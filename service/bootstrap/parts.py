@@ -54,8 +54,9 @@ async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: Fit
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:
-    """Return what removes old fits."""
-    return Retention(store, blobs, settings.keep_seconds, settings.keep_bytes)
+    """Return what removes old fits, and in a data folder, which is one server's alone, what crashes left."""
+    alone = settings.database_url is None and settings.blobs_url is None
+    return Retention(store, blobs, settings.keep_seconds, settings.keep_bytes, alone=alone)
 
 
 def limits(settings: Settings) -> Limits:

@@ -3,9 +3,10 @@
 import asyncio
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 from uuid import uuid4
 
 import orjson
@@ -21,40 +22,9 @@ from service.jobs.errors import (
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
-from service.jobs.ports import BlobStore, FitQueue, FitStore
+from service.jobs.ports import BlobStore, Draughtsman, FitQueue, FitStore, Reader
 
 T = TypeVar("T")
-
-
-class Reader(Protocol):
-    """Turns a body into a checked point set."""
-
-    async def read(self, body: bytes | Path, kind: str) -> PointSet:
-        """Read and check.
-
-        Raises
-        ------
-        InvalidInputError
-            If it cannot be fitted.
-
-        """
-
-    def check(self, dimension: int, options: dict[str, Any]) -> None:
-        """Refuse options that cannot be meant, alone or together.
-
-        Raises
-        ------
-        InvalidInputError
-            If there are any; `at` names one.
-
-        """
-
-
-class Draughtsman(Protocol):
-    """Draws zero sets."""
-
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: Drawing) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
 
 
 class FitDesk:
@@ -96,10 +66,19 @@ class FitDesk:
         self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
         new = _new_fit(points, options, client, key)
-        fit = await _asked(self._store.add, new, lambda: self._blobs.put(points.content))
+        fit = await self._add(new, points.content)
         if fit.id == new.id:
             self._queue.submit(fit)
         return fit
+
+    async def _add(self, new: Fit, content: bytes) -> Fit:
+        """Store a fit with its input; if it cannot be stored, leave no input that takes the last room on the disk."""
+        try:
+            return await _asked(self._store.add, new, lambda: self._blobs.put(content))
+        except NotReadyError:
+            with suppress(Exception):
+                await asyncio.to_thread(self._store.discard, new.input.key, self._blobs.delete)
+            raise
 
     async def get(self, fit_id: str, wait: float = 0.0) -> Fit:
         """Return a fit, after at most `wait` seconds if it is still live.
@@ -137,8 +116,8 @@ class FitDesk:
         if fit.result is None:
             raise FitWithoutResultError(f"fit {fit_id} is {fit.status} and has no zero set")
         try:
-            points = await asyncio.to_thread(self._blobs.get, fit.input.key)
-        except FileNotFoundError:
+            points = await _asked(self._blobs.get, fit.input.key)
+        except NotReadyError:
             await self._get(fit_id)  # which says so, if the fit was removed in this very moment
             raise
         return await self._draughtsman.draw(fit.result, points, fit.input.dimension, drawing)

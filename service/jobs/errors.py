@@ -58,7 +58,7 @@ class TooLargeError(InvalidInputError):
 
 
 class NotReadyError(JobError):
-    """Fits cannot be stored at the moment."""
+    """What fits need is away at the moment: the database, the point sets, room on the disk."""
 
 
 class QueueFullError(JobError):

@@ -1,10 +1,11 @@
 """What the use cases need from the outside, as Protocols; `service.bootstrap` puts the real ones in."""
 
-from collections.abc import Callable
-from datetime import datetime
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from service.jobs.fit import Failure, Fit, FitStatus, Holder
+from service.jobs.drawing import Drawing
+from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
 
 T = TypeVar("T")
 
@@ -52,6 +53,12 @@ class FitStore(Protocol):
     def remove(self, fit_id: str, drop: Callable[[str], object]) -> bool:
         """Forget a fit that has ended, and `drop` its input if no other fit has the same."""
 
+    def discard(self, key: str, drop: Callable[[str], object]) -> bool:
+        """`drop` an input, at a moment when no fit can be coming with it, if no fit has it; return whether."""
+
+    def unused(self, keys: Iterable[str]) -> list[str]:
+        """Return those of the inputs that no fit has."""
+
     def waiting(self) -> list[Fit]:
         """Return the accepted fits, oldest first."""
 
@@ -67,8 +74,8 @@ class FitStore(Protocol):
     def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees that were reported."""
 
-    def outdated(self, before: datetime, size: int) -> list[str]:
-        """Return the ids of fits that ended before a moment, and of the oldest beyond `size` bytes of ended fits."""
+    def outdated(self, age: float, size: int) -> list[str]:
+        """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
 
 
 class BlobStore(Protocol):
@@ -82,6 +89,9 @@ class BlobStore(Protocol):
 
     def delete(self, key: str) -> None:
         """Remove them, if they are there."""
+
+    def keys(self) -> list[str]:
+        """Return the key of everything that is there."""
 
 
 class Workers(Protocol):
@@ -128,3 +138,34 @@ class FitQueue(Protocol):
 
     async def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees tried so far by a running fit."""
+
+
+class Reader(Protocol):
+    """Turns a body into a checked point set."""
+
+    async def read(self, body: bytes | Path, kind: str) -> PointSet:
+        """Read and check.
+
+        Raises
+        ------
+        InvalidInputError
+            If it cannot be fitted.
+
+        """
+
+    def check(self, dimension: int, options: dict[str, Any]) -> None:
+        """Refuse options that cannot be meant, alone or together.
+
+        Raises
+        ------
+        InvalidInputError
+            If there are any; `at` names one.
+
+        """
+
+
+class Draughtsman(Protocol):
+    """Draws zero sets."""
+
+    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: Drawing) -> bytes:
+        """Return a file with the zero set of a fit's result, given its point set."""

@@ -2,18 +2,20 @@
 
 import asyncio
 import logging
-from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+import time
+from dataclasses import dataclass, field
 
 from service.jobs.ports import BlobStore, FitStore
 
 logger = logging.getLogger(__name__)
 
-# Seconds between two looks.
+# Seconds between two looks …
 PAUSE = 60.0
+# … and between two looks for point sets without a fit, for which all of them are listed.
+CLEARING = 3600.0
 
 
-@dataclass(frozen=True)
+@dataclass
 class Retention:
     """Removes old fits, and the oldest when there are too many.
 
@@ -25,6 +27,9 @@ class Retention:
         Seconds that a fit is kept after its end.
     size
         Bytes that the inputs and results of ended fits may take together.
+    alone
+        Whether the store is the only one that keeps its point sets in this place. Elsewhere, those without a fit may be
+        another's.
 
     """
 
@@ -32,11 +37,22 @@ class Retention:
     blobs: BlobStore
     age: float
     size: int
+    alone: bool = False
+    _cleared: float = field(default=float("-inf"), init=False)
 
     def sweep(self) -> int:
         """Remove what need not be kept any longer; return how many."""
-        before = datetime.now(UTC) - timedelta(seconds=self.age)
-        return sum(self.store.remove(one, self.blobs.delete) for one in self.store.outdated(before, self.size))
+        removed = sum(self.store.remove(one, self.blobs.delete) for one in self.store.outdated(self.age, self.size))
+        if self.alone and time.monotonic() > self._cleared + CLEARING:
+            self._clear()
+        return removed
+
+    def _clear(self) -> None:
+        """Remove point sets that no fit has: a crash between the two left them."""
+        left = sum(self.store.discard(key, self.blobs.delete) for key in self.store.unused(self.blobs.keys()))
+        self._cleared = time.monotonic()
+        if left:
+            logger.warning("%d point sets that no fit had were removed", left)
 
     async def keep_sweeping(self) -> None:
         """Sweep now and then, until cancelled."""

@@ -7,11 +7,11 @@ from contextlib import AsyncExitStack
 from datetime import UTC, datetime, timedelta
 
 from procrastinate import App, BaseRetryStrategy, JobContext, PsycopgConnector, RetryDecision
-from procrastinate.jobs import DeleteJobCondition, Job
+from procrastinate.jobs import DeleteJobCondition, Job, Status
 
 from service.jobs.ports import FitStore
 from service.queue.postgres import LONG_QUEUE, SHORT_QUEUE, TASK
-from service.queue.runner import PARTING, Runner
+from service.queue.runner import PARTING, Runner, pause
 
 logger = logging.getLogger(__name__)
 
@@ -23,10 +23,10 @@ PAUSE = 1.0
 PATIENCE = 60.0
 # Seconds between looks for jobs and for aborts; both are told at once, so this is for words that were lost.
 POLL = 2.0
+# A time that is over on every machine, however its clock is set.
+AT_ONCE = datetime(2000, 1, 1, tzinfo=UTC)
 # Hours after which jobs that ended otherwise than well are forgotten; what came of their fits stands in the fits.
 FORGET = 1
-# Seconds after which a fit whose run went wrong in an unforeseen way is tried again.
-RETRY = 5.0
 
 
 class _Interrupted(Exception):  # noqa: N818 - no error
@@ -41,11 +41,13 @@ class _Again(BaseRetryStrategy):
     """Brings a job back until its fit has ended."""
 
     def __init__(self, lease: float) -> None:
-        self._pauses: dict[type[BaseException], float] = {_Interrupted: 0.0, _Held: lease}
+        self._lease = lease
 
-    def get_retry_decision(self, *, exception: BaseException, job: Job) -> RetryDecision:  # noqa: ARG002 - theirs
-        pause = timedelta(seconds=self._pauses.get(type(exception), RETRY))
-        return RetryDecision(retry_at=datetime.now(UTC) + pause)
+    def get_retry_decision(self, *, exception: BaseException, job: Job) -> RetryDecision:
+        if isinstance(exception, _Interrupted):
+            return RetryDecision(retry_at=AT_ONCE)
+        seconds = self._lease if isinstance(exception, _Held) else pause(job.attempts + 1)
+        return RetryDecision(retry_at=datetime.now(UTC) + timedelta(seconds=seconds))
 
 
 class Crew:
@@ -132,9 +134,12 @@ class Crew:
     async def _upkeep(self, context: JobContext, timestamp: int) -> None:  # noqa: ARG002 - what periodic tasks get
         """Bring back the jobs of dead workers, and have the store tidied."""
         manager = context.app.job_manager
-        for job in await manager.get_stalled_jobs(task_name=TASK, seconds_since_heartbeat=self._lease):
+        for job in await manager.get_stalled_jobs(seconds_since_heartbeat=self._lease):
+            if job.task_name != TASK:  # upkeep comes again by itself
+                await manager.finish_job(job, Status.FAILED, delete_job=True)
+                continue
             logger.warning("job %s was left by a worker that is dead, and is queued again", job.id)
-            await manager.retry_job(job)
+            await manager.retry_job(job, AT_ONCE)
         await manager.delete_old_jobs(
             nb_hours=FORGET, include_failed=True, include_cancelled=True, include_aborted=True
         )

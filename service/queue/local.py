@@ -2,12 +2,13 @@
 
 import asyncio
 import logging
+from contextlib import suppress
 from typing import Any
 
 from service.jobs.fit import Fit
 from service.jobs.ports import FitStore
 from service.queue.line import Line
-from service.queue.runner import Runner
+from service.queue.runner import Runner, pause
 
 logger = logging.getLogger(__name__)
 
@@ -23,10 +24,12 @@ class LocalQueue:
         self._live: dict[str, Fit] = {}
         self._running: dict[str, asyncio.Task[None]] = {}
         self._ended: dict[str, asyncio.Event] = {}
+        self._tries: dict[str, int] = {}
         self._seats: list[asyncio.Task[None]] = []
+        self._late: asyncio.Task[None] | None = None
         self._news = asyncio.Event()
         self._draining = False
-        self._hurried, self._stopped = asyncio.Event(), asyncio.Event()
+        self._begun, self._hurried, self._stopped = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
     @property
     def stopping(self) -> bool:
@@ -34,7 +37,9 @@ class LocalQueue:
         return self._draining
 
     def submit(self, fit: Fit) -> None:
-        """Put an accepted fit in line."""
+        """Put an accepted fit in line, once."""
+        if fit.id in self._live:
+            return
         self._live[fit.id], self._ended[fit.id] = fit, asyncio.Event()
         self._line.join(fit)
         self._news.set()
@@ -49,12 +54,17 @@ class LocalQueue:
 
     async def wait(self, fit_id: str, seconds: float) -> None:
         """Return when the fit has ended, the time is up, or the server is about to stop."""
-        ended = self._ended.get(fit_id)
-        if ended is None:
-            return
-        waits = [asyncio.create_task(event.wait()) for event in (ended, self._stopped)]
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await self._happens(self._begun)
+                if (ended := self._ended.get(fit_id)) is not None:
+                    await self._happens(ended)
+
+    async def _happens(self, event: asyncio.Event) -> None:
+        """Return when this has happened, or the server is about to stop."""
+        waits = [asyncio.create_task(one.wait()) for one in (event, self._stopped)]
         try:
-            await asyncio.wait(waits, timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
         finally:
             for task in waits:
                 task.cancel()
@@ -64,14 +74,33 @@ class LocalQueue:
         return self._runner.progress(fit_id)
 
     async def resume(self) -> None:
-        """Start, with everything that was accepted or running when the server last stopped."""
-        recovered = await asyncio.to_thread(self._store.recover)
-        waiting = await asyncio.to_thread(self._store.waiting)
+        """Start, with everything that was accepted or running when the server last stopped.
+
+        If the store fails, the disk being full, the server answers meanwhile, and this goes on when it can.
+        """
+        if not await self._resumed():
+            self._late = asyncio.create_task(self._resume_later())
+
+    async def _resume_later(self) -> None:
+        tries = 0
+        while not await self._resumed():
+            tries += 1
+            await asyncio.sleep(pause(tries))
+
+    async def _resumed(self) -> bool:
+        try:
+            recovered = await asyncio.to_thread(self._store.recover)
+            waiting = await asyncio.to_thread(self._store.waiting)
+        except Exception:
+            logger.exception("the store failed: no fit is run yet")
+            return False
         if waiting:
             logger.info("resuming %d fits, %d of them interrupted", len(waiting), recovered)
         for fit in waiting:
             self.submit(fit)
         self._seats = [asyncio.create_task(self._seat(short=short)) for short in self._lanes]
+        self._begun.set()
+        return True
 
     async def drain(self, seconds: float) -> None:
         """Start nothing more, give what runs so much time to end, then let everybody who waits for a fit go."""
@@ -90,7 +119,7 @@ class LocalQueue:
 
     async def close(self) -> None:
         """Kill what runs; it stays accepted in the store, for the next start."""
-        tasks = [*self._seats, *self._running.values()]
+        tasks = [*self._seats, *self._running.values(), *([self._late] if self._late else [])]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
@@ -104,11 +133,29 @@ class LocalQueue:
                 await asyncio.wait((run,))  # not `await run`: that a fit is cancelled is no reason to leave the seat
             finally:
                 del self._running[fit_id]
-            if not run.cancelled() and run.exception() is not None:
-                logger.error("fit %s is put back in line", fit_id, exc_info=run.exception())
-                self._line.join(self._live[fit_id])
-            else:
+            if run.cancelled() or (run.exception() is None and await self._over(fit_id)):
                 self._forget(fit_id)
+            else:
+                self._put_back(fit_id, run.exception())
+
+    async def _over(self, fit_id: str) -> bool:
+        """Return whether a fit has ended: one that was given up for any other reason must not be forgotten."""
+        with suppress(Exception):
+            fit = await asyncio.to_thread(self._store.get, fit_id)
+            return fit is None or fit.status.final
+        return False
+
+    def _put_back(self, fit_id: str, error: BaseException | None) -> None:
+        """Put a fit in line again, after a while: what went wrong may take its time to pass."""
+        self._tries[fit_id] = self._tries.get(fit_id, 0) + 1
+        seconds = pause(self._tries[fit_id])
+        logger.warning("fit %s is put back in line in %g s", fit_id, seconds, exc_info=error)
+        asyncio.get_running_loop().call_later(seconds, self._rejoin, fit_id)
+
+    def _rejoin(self, fit_id: str) -> None:
+        if fit_id in self._live:  # else it was dismissed meanwhile
+            self._line.join(self._live[fit_id])
+            self._news.set()
 
     async def _next(self, *, short: bool) -> str | None:
         """Return the next fit, when there is one; None when the server is about to stop."""
@@ -121,6 +168,7 @@ class LocalQueue:
 
     def _forget(self, fit_id: str) -> None:
         self._live.pop(fit_id, None)
+        self._tries.pop(fit_id, None)
         ended = self._ended.pop(fit_id, None)
         if ended is not None:
             ended.set()

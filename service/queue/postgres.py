@@ -1,6 +1,7 @@
 """The line of fits in PostgreSQL: Procrastinate's jobs, changed in the transactions that change the fits."""
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from procrastinate import App, SyncPsycopgConnector
@@ -11,6 +12,9 @@ from service.jobs.cost import SHORT
 
 TASK = "fit"
 SHORT_QUEUE, LONG_QUEUE = "short", "long"
+# Seconds within which a job comes that is to be tried again. If it is set for later, and its fit is not held, the clock
+# of the machine that set it was wrong.
+AHEAD = 120.0
 # Where the ids of fits that have ended are told (PostgreSQL's NOTIFY).
 ENDED = "ipfit_ended"
 
@@ -37,14 +41,23 @@ class PostgresLine:
         connection.execute(text("SELECT pg_notify(:channel, :fit)"), {"channel": ENDED, "fit": fit_id})
 
     def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
-        """Return those of the jobs that nobody has taken yet."""
-        query = text("SELECT id FROM procrastinate_jobs WHERE id = ANY(:jobs) AND status = 'todo'")
-        return set(connection.execute(query, {"jobs": list(jobs)}).scalars())
+        """Return those of the jobs that nobody has taken yet, and that are due."""
+        query = text(
+            "SELECT id FROM procrastinate_jobs WHERE id = ANY(:jobs) AND status = 'todo'"
+            " AND (scheduled_at IS NULL OR scheduled_at < clock_timestamp() + make_interval(secs => :ahead))"
+        )
+        return set(connection.execute(query, {"jobs": list(jobs), "ahead": AHEAD}).scalars())
 
 
-def schema() -> str:
-    """Return the SQL that makes Procrastinate's tables."""
-    return SchemaManager.get_schema()
+def make(connection: Connection) -> None:
+    """Make Procrastinate's tables."""
+    connection.exec_driver_sql(SchemaManager.get_schema().replace("%", "%%"))
+
+
+def steps() -> dict[str, str]:
+    """Return the name and the SQL of each step between the versions of Procrastinate's tables, the oldest first."""
+    files = sorted(Path(SchemaManager.get_migrations_path()).glob("*.sql"))
+    return {file.stem: file.read_text(encoding="utf-8") for file in files}
 
 
 def _raw(connection: Connection) -> Any:  # noqa: ANN401 - psycopg's, which Procrastinate takes as Any

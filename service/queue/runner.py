@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from service.jobs.errors import DeadlineExceededError, OutOfMemoryError, WorkerCrashedError
+from service.jobs.errors import DeadlineExceededError, NotReadyError, OutOfMemoryError, WorkerCrashedError
 from service.jobs.fit import MAX_CRASHES, Failure, Fit, FitStatus, Holder
 from service.jobs.ports import BlobStore, FitStore, Workers
 
@@ -14,12 +14,23 @@ logger = logging.getLogger(__name__)
 
 # Seconds between tries when the store fails: an hour in all.
 PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
+# A fit whose points cannot be read is put back in line so often, each time for longer: for an hour in all, too.
+MAX_AWAY = 90
 # Seconds that giving a fit back may take when this process is about to end; the lease gives it back anyway.
 PARTING = 2.0
 # Seconds between two looks of the keeper of a lease, which also passes progress on.
 TICK = 0.5
 
 T = TypeVar("T")
+
+
+def pause(tries: int) -> float:
+    """Return the seconds after which a fit that was put back is tried again.
+
+    >>> pause(1), sum(pause(tries) for tries in range(1, MAX_AWAY)) / 3600.0 > 1.0
+    (1.0, True)
+    """
+    return min(float(tries), 60.0)
 
 
 class Runner:
@@ -46,7 +57,14 @@ class Runner:
         return list(self._steps.get(fit_id, ()))
 
     async def run(self, fit_id: str) -> None:
-        """Run one fit to its end, again if its worker dies; cancelled, kill its worker and give it back."""
+        """Run one fit to its end, again if its worker dies; cancelled, kill its worker and give it back.
+
+        Raises
+        ------
+        NotReadyError
+            If what it needs is away. It was given back, to be run after `pause` seconds, here or elsewhere.
+
+        """
         while (attempt := await self._insist(self._store.start, fit_id, self._holder)) is not None:
             try:
                 await self._attempt(fit_id, attempt)
@@ -69,10 +87,14 @@ class Runner:
                 await self._insist(lambda: self._store.release(fit_id, attempt, crashed=True))
                 return
             failure = Failure("worker-crashed", f"The worker process died {MAX_CRASHES} times.")
-        except DeadlineExceededError:
-            failure = Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
-        except OutOfMemoryError as error:
-            failure = Failure("out-of-memory", str(error))
+        except NotReadyError as error:
+            logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
+            if attempt < MAX_AWAY:
+                await self._insist(self._store.release, fit_id, attempt)
+                raise
+            failure = Failure("fit-error", f"Given up after {MAX_AWAY} tries: {error}")
+        except (DeadlineExceededError, OutOfMemoryError) as error:
+            failure = self._limit(error)
         except Exception as error:
             logger.exception("fit %s failed", fit_id)
             failure = Failure("fit-error", f"{type(error).__name__}: {error}")
@@ -81,6 +103,11 @@ class Runner:
                 await self._insist(self._store.finish, fit_id, attempt, FitStatus.SUCCESSFUL, result, None)
             return
         await self._insist(self._store.finish, fit_id, attempt, FitStatus.FAILED, None, failure)
+
+    def _limit(self, error: DeadlineExceededError | OutOfMemoryError) -> Failure:
+        if isinstance(error, DeadlineExceededError):
+            return Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
+        return Failure("out-of-memory", str(error))
 
     async def _while_held(self, fit: Fit, attempt: int) -> bytes | None:
         """Return the answer; or None, with the worker killed, as soon as this attempt holds the fit no more."""

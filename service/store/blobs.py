@@ -2,11 +2,21 @@
 
 import hashlib
 import os
+import re
+from contextlib import suppress
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 
 import fsspec
+
+# Where an object appears whole or not at all when it is put, and where to rename is to copy.
+OBJECT_STORES = {"s3", "s3a", "gs", "gcs", "abfs", "abfss", "az"}
+# Seconds after which half a blob is no longer being written: its process is dead.
+ABANDONED = 3600.0
+_KEY = re.compile("[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
@@ -17,26 +27,24 @@ class Blobs:
     ----------
     url
         The folder: a path, or any URL that fsspec knows.
+    patience
+        Seconds that an object store may take for one answer; its own patience is minutes.
 
     """
 
     url: str
+    patience: float = 20.0
 
     def put(self, content: bytes) -> str:
-        """Store bytes and return their key: written aside, flushed and renamed, so a key never names half a blob."""
+        """Store bytes and return their key, which never names half a blob."""
         key = hashlib.sha256(content).hexdigest()
         fs, path = self._at(key)
-        if fs.exists(path):
-            return key
-        fs.makedirs(fs._parent(path), exist_ok=True)  # noqa: SLF001 - fsspec's documented way to a parent path
-        aside = f"{path}.{uuid4().hex}"
-        with fs.open(aside, "wb") as file:
-            file.write(content)
-            file.flush()
-            if "file" in fs.protocol:
-                os.fsync(file.fileno())
-        fs.mv(aside, path)
-        if "file" in fs.protocol:  # the names are on disk, too, when the folders that hold them are
+        if not fs.exists(path, **self._limits(fs)):
+            if OBJECT_STORES.intersection(_protocols(fs)):
+                fs.pipe_file(path, content, **self._limits(fs))
+            else:
+                _put_aside(fs, path, content)
+        if "file" in _protocols(fs):  # a name is on disk when the folders that hold it are, whoever put it there
             for folder in (Path(path).parent, Path(path).parent.parent):
                 _flush(folder)
         return key
@@ -44,17 +52,64 @@ class Blobs:
     def get(self, key: str) -> bytes:
         """Return the bytes stored under a key."""
         fs, path = self._at(key)
-        return bytes(fs.cat_file(path))
+        return bytes(fs.cat_file(path, **self._limits(fs)))
 
     def delete(self, key: str) -> None:
         """Remove the bytes under a key, if they are there."""
         fs, path = self._at(key)
-        if fs.exists(path):
-            fs.rm_file(path)
+        with suppress(FileNotFoundError):
+            fs.rm_file(path, **self._limits(fs))
+
+    def keys(self) -> list[str]:
+        """Return the key of every blob; clear away halves whose processes are dead, in passing."""
+        fs, root = self._root()
+        found = []
+        for path in fs.find(root):
+            key, _, half = path.rpartition("/")[2].partition(".")
+            if not _KEY.fullmatch(key):  # not of ours
+                continue
+            if not half:
+                found.append(key)
+            elif fs.modified(path) < datetime.now(UTC) - timedelta(seconds=ABANDONED):
+                with suppress(FileNotFoundError):
+                    fs.rm_file(path)
+        return found
+
+    def _root(self) -> tuple[fsspec.AbstractFileSystem, str]:
+        found: tuple[fsspec.AbstractFileSystem, str] = fsspec.url_to_fs(
+            self.url,
+            use_listings_cache=False,  # others put and delete here, too
+        )
+        return found
 
     def _at(self, key: str) -> tuple[fsspec.AbstractFileSystem, str]:
-        fs, root = fsspec.url_to_fs(self.url, use_listings_cache=False)  # others put and delete here, too
+        fs, root = self._root()
         return fs, f"{root}/{key[:2]}/{key}"
+
+    def _limits(self, fs: fsspec.AbstractFileSystem) -> dict[str, Any]:
+        """Return how long a call may take, where fsspec can say so: on file systems that work on its event loop."""
+        return {"timeout": self.patience} if fs.async_impl else {}
+
+
+def _protocols(fs: fsspec.AbstractFileSystem) -> tuple[str, ...]:
+    return (fs.protocol,) if isinstance(fs.protocol, str) else tuple(fs.protocol)
+
+
+def _put_aside(fs: fsspec.AbstractFileSystem, path: str, content: bytes) -> None:
+    """Write a file aside, flush it and rename it; on a disk that is full, leave nothing."""
+    fs.makedirs(fs._parent(path), exist_ok=True)  # noqa: SLF001 - fsspec's documented way to a parent path
+    aside = f"{path}.{uuid4().hex}"
+    try:
+        with fs.open(aside, "wb") as file:
+            file.write(content)
+            file.flush()
+            if "file" in _protocols(fs):
+                os.fsync(file.fileno())
+        fs.mv(aside, path)
+    except BaseException:
+        with suppress(Exception):
+            fs.rm_file(aside)
+        raise
 
 
 def _flush(folder: Path) -> None:

@@ -1,8 +1,8 @@
 """Fits in a SQL database, through SQLAlchemy Core."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from datetime import datetime, timedelta
+from datetime import timedelta
 from threading import Lock
 from typing import Any
 
@@ -123,11 +123,22 @@ class SqlFits:
             connection.execute(fits.delete().where(ended))
         if key is None:
             return False
-        # The row went first: if this is interrupted, a blob is left over, and not a fit without its points.
-        with self._holding(key, alone=True) as connection:
-            if connection.execute(select(fits.c.id).where(fits.c.input == key).limit(1)).first() is None:
-                drop(key)
+        self.discard(key, drop)  # the row went first: if this fails, a blob is left, and not a fit without its points
         return True
+
+    def discard(self, key: str, drop: Callable[[str], object]) -> bool:
+        """Drop an input, if no fit has it and none can be coming with it."""
+        with self._holding(key, alone=True) as connection:
+            used = connection.execute(select(fits.c.id).where(fits.c.input == key).limit(1)).first() is not None
+            if not used:
+                drop(key)
+        return not used
+
+    def unused(self, keys: Iterable[str]) -> list[str]:
+        """Return those of the inputs that no fit has."""
+        with self._engine.connect() as connection:
+            used = set(connection.execute(select(fits.c.input).distinct()).scalars())
+        return [key for key in keys if key not in used]
 
     def waiting(self) -> list[Fit]:
         """Return the accepted fits, oldest first."""
@@ -150,29 +161,19 @@ class SqlFits:
 
         There should be none. But a connection may be cut in the very moment in which a job's end is written down.
         """
-        line = self._line
-        if line is None:
+        if self._line is None:
             return 0
         with self._engine.begin() as connection:
-            now = moves.clock(connection)
-            live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
-            idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
-            query = select(fits.c.id, fits.c.cost, fits.c.job).where(live, idle).with_for_update(skip_locked=True)
-            found = connection.execute(query).all()
-            in_line = line.in_line(connection, [one.job for one in found])
-            lost = [one for one in found if one.job not in in_line]
-            for one in lost:
-                job = line.join(connection, one.id, one.cost)
-                connection.execute(update(fits).where(fits.c.id == one.id).values(job=job, touched=now))
-        return len(lost)
+            return moves.rejoin(connection, self._line, seconds)
 
-    def outdated(self, before: datetime, size: int) -> list[str]:
-        """Return the ids of fits that ended before a moment, and of the oldest beyond `size` bytes of ended fits."""
+    def outdated(self, age: float, size: int) -> list[str]:
+        """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
         newest_first = func.sum(fits.c.size).over(order_by=(fits.c.finished.desc(), fits.c.id))
         ended = select(fits.c.id, fits.c.finished, newest_first.label("total")).where(fits.c.status.in_(ENDED))
         each = ended.subquery()
-        too_much = (each.c.finished < before) | (each.c.total > size)
         with self._engine.connect() as connection:
+            before = moves.clock(connection) - timedelta(seconds=age)  # of the clock that wrote down when they ended
+            too_much = (each.c.finished < before) | (each.c.total > size)
             return list(connection.execute(select(each.c.id).where(too_much).order_by(each.c.finished)).scalars())
 
     def _earlier(self, connection: Connection, fit: Fit) -> Fit | None:

@@ -1,7 +1,7 @@
 """The moves of a fit in the database: each names the statuses it may start from, in its WHERE."""
 
 from collections.abc import Iterable
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any, Protocol
 
 import orjson
@@ -27,7 +27,7 @@ class Line(Protocol):
         """Tell everybody that a fit has ended."""
 
     def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
-        """Return those of the jobs that nobody has taken yet."""
+        """Return those of the jobs that nobody has taken yet, and that are due."""
 
 
 def clock(connection: Connection) -> datetime:
@@ -53,6 +53,21 @@ def take_back(connection: Connection, line: Line | None, *where: ColumnElement[b
     back = {"started": None, "progress": None, "abandoned": fits.c.abandoned + 1, **FREE}
     moved = update(fits).where(*running).values(status=FitStatus.ACCEPTED, touched=clock(connection), **back)
     return len(ill) + connection.execute(moved).rowcount
+
+
+def rejoin(connection: Connection, line: Line, seconds: float) -> int:
+    """Put live fits in line again that nobody has held for so long and that have no job there; return how many."""
+    now = clock(connection)
+    live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
+    idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
+    query = select(fits.c.id, fits.c.cost, fits.c.job).where(live, idle).with_for_update(skip_locked=True)
+    found = connection.execute(query).all()
+    in_line = line.in_line(connection, [one.job for one in found])
+    lost = [one for one in found if one.job not in in_line]
+    for one in lost:
+        job = line.join(connection, one.id, one.cost)
+        connection.execute(update(fits).where(fits.c.id == one.id).values(job=job, touched=now))
+    return len(lost)
 
 
 def move(  # noqa: PLR0913, PLR0917 - where, which, whither, and what changes with it

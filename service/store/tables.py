@@ -3,6 +3,7 @@
 import sqlite3
 from datetime import UTC, datetime
 from pathlib import Path
+from threading import Event, Lock
 
 from sqlalchemy import (
     BigInteger,
@@ -18,11 +19,12 @@ from sqlalchemy import (
     Table,
     create_engine,
     event,
-    text,
 )
+from sqlalchemy.pool import NullPool
 from sqlalchemy.types import TypeDecorator
 
 from service.jobs.fit import FitStatus
+from service.store.versions import Part, prepare
 
 # A PostgreSQL that does not answer must not hold a request for minutes: seconds to connect, milliseconds for a
 # statement, and milliseconds until unanswered packets end a connection.
@@ -33,8 +35,6 @@ PATIENCE = {
     "keepalives_interval": 2,
 }
 OPTIONS = "-c statement_timeout=30000 -c idle_in_transaction_session_timeout=30000 -c synchronous_commit=on"
-# Any number, the same in every process: whoever holds this lock prepares the database.
-_PREPARING = 4_711_001
 
 
 class Moment(TypeDecorator[datetime]):
@@ -100,6 +100,14 @@ fits = Table(
     Column("result", LargeBinary),
     Column("failure", LargeBinary),
 )
+# Whoever changes the table above adds a step that changes an older one in the same way, named after the release.
+FITS = Part(
+    name="fits",
+    table="fits",
+    make=metadata.create_all,
+    steps={"0.1.0": ""},
+    columns=frozenset(fits.columns.keys()),
+)
 
 
 def sqlite_engine(path: Path) -> Engine:
@@ -113,32 +121,34 @@ def sqlite_engine(path: Path) -> Engine:
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
 
-    metadata.create_all(engine)
+    prepare(engine, [FITS])
     return engine
 
 
-def postgres_engine(url: str, queue_schema: str) -> Engine:
-    """Return an engine on a PostgreSQL database, and make its tables, and those of its queue, if they are not there.
+def postgres_engine(url: str, *queue: Part) -> Engine:
+    """Return an engine on a PostgreSQL database, which need not answer yet.
+
+    Before the first connection is used, the tables are made or brought up to date, and those of the queue.
 
     Parameters
     ----------
     url
         `postgresql://…`.
-    queue_schema
-        SQL that makes the tables of the queue.
+    queue
+        The tables of a queue in the same database.
 
     """
-    engine = create_engine(
-        "postgresql+psycopg://" + url.partition("://")[2],
-        connect_args={**PATIENCE, "options": OPTIONS},
-        pool_pre_ping=True,
-        pool_timeout=10,
-        pool_size=10,
-        max_overflow=10,
-    )
-    with engine.begin() as connection:
-        connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _PREPARING})
-        metadata.create_all(connection)
-        if connection.execute(text("SELECT to_regclass('procrastinate_jobs')")).scalar() is None:
-            connection.exec_driver_sql(queue_schema.replace("%", "%%"))
+    where = "postgresql+psycopg://" + url.partition("://")[2]
+    told = {**PATIENCE, "options": OPTIONS}
+    first = create_engine(where, connect_args=told, poolclass=NullPool)
+    engine = create_engine(where, connect_args=told, pool_pre_ping=True, pool_timeout=10, pool_size=10, max_overflow=10)
+    alone, prepared = Lock(), Event()
+
+    @event.listens_for(engine, "connect")
+    def _prepare(_connection: object, _record: object) -> None:
+        with alone:
+            if not prepared.is_set():
+                prepare(first, [FITS, *queue])
+                prepared.set()
+
     return engine

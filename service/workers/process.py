@@ -7,7 +7,7 @@ from collections.abc import Callable
 from threading import Thread
 from typing import TypeVar
 
-from service.jobs.errors import OutOfMemoryError
+from service.jobs.errors import NotReadyError, OutOfMemoryError
 from service.workers import progress
 
 T = TypeVar("T")
@@ -32,9 +32,14 @@ def run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) ->
     ------
     OutOfMemoryError
         If it needs more memory than the process may take.
+    NotReadyError
+        If there is no room to write down which process works on it.
 
     """
-    progress.begin(task)
+    try:
+        progress.begin(task)
+    except OSError as error:
+        raise NotReadyError(f"a worker cannot begin: {type(error).__name__}: {error.strerror}") from None
     try:
         return function(*arguments)
     except MemoryError as error:

@@ -68,11 +68,12 @@ class Postgres:
         while any(alive(pid) for pid in family):
             time.sleep(0.01)
 
-    def kill_one(self) -> bool:
-        """Kill one process that serves a connection; the server then cuts all others and recovers."""
+    def kill_one(self, *, client: bool = True) -> bool:
+        """Kill one process that serves a connection, or one of the others; the server then cuts all and recovers."""
+        which = "datname LIKE 'test%'" if client else "backend_type <> 'client backend'"
         with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
-            query = "SELECT pid FROM pg_stat_activity WHERE datname LIKE 'test%' ORDER BY random() LIMIT 1"
-            row = connection.execute(query).fetchone()
+            query = f"SELECT pid FROM pg_stat_activity WHERE {which} ORDER BY random() LIMIT 1"  # noqa: S608 - as above
+            row = connection.execute(query.encode()).fetchone()
         if row is not None:
             with suppress(ProcessLookupError):
                 os.kill(row[0], signal.SIGKILL)
@@ -86,12 +87,21 @@ class Postgres:
             row = connection.execute(query, [share]).fetchone()
         return int(row[0]) if row else 0
 
-    def database(self) -> str:
-        """Make a database and return its URL."""
+    def database(self, more: str = "") -> str:
+        """Make a database, as `more` says in SQL, and return its URL."""
         name = f"test_{uuid4().hex[:12]}"
-        with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
-            connection.execute(f"CREATE DATABASE {name}")  # type: ignore[call-overload,unused-ignore] # our own name
+        self.tell(f"CREATE DATABASE {name} {more}")
         return self.url(name)
+
+    def tell(self, statement: str) -> None:
+        """Run a statement of our own."""
+        with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
+            connection.execute(statement.encode())
+
+    def give(self, folder: Path) -> None:
+        """Let the server write in a folder."""
+        if "user" in self._as:
+            os.chown(folder, NOBODY, NOBODY)
 
     def url(self, database: str) -> str:
         return f"postgresql://postgres@/{database}?host={self._folder}"

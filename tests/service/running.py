@@ -81,10 +81,12 @@ class Server(Program):
     """One run of `ipfit serve`."""
 
     def __init__(self, folder: Path, **settings: object) -> None:
+        ready = settings.pop("ready", True)  # whether it will be
         super().__init__("serve", folder, **settings)
         self.url = until(self._listening, 60.0)
         self.client = httpx.Client(base_url=self.url, timeout=60.0)
-        until(lambda: self.client.get("/readyz").is_success)
+        if ready:
+            until(lambda: self.client.get("/readyz").is_success)
 
     def _listening(self) -> str:
         assert self.process.poll() is None, self.log

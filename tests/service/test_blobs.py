@@ -3,6 +3,8 @@
 import hashlib
 import os
 import pickle
+import resource
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from uuid import uuid4
@@ -61,3 +63,29 @@ def test_any_file_system_will_do() -> None:
     blobs.delete(key)
     with pytest.raises(FileNotFoundError):
         blobs.get(key)
+
+
+def test_a_put_that_fails_leaves_nothing_behind(tmp_path: Path) -> None:
+    blobs, before = Blobs(str(tmp_path)), resource.getrlimit(resource.RLIMIT_FSIZE)
+    kept = blobs.put(b"content")
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))  # the kernel refuses to write more
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            blobs.put(os.urandom(100_000))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [path.name for path in files(tmp_path)] == [kept]
+
+
+def test_keys_are_those_of_whole_blobs_and_old_halves_are_cleared_away(tmp_path: Path) -> None:
+    blobs = Blobs(str(tmp_path))
+    assert blobs.keys() == []
+    keys = {blobs.put(b"one"), blobs.put(b"two")}
+    for name, age in (("fresh", 0.0), ("old", 7200.0)):
+        half = tmp_path / "ab" / f"{64 * 'a'}.{name}"
+        half.parent.mkdir(exist_ok=True)
+        half.write_bytes(b"ha")
+        os.utime(half, (time.time() - age,) * 2)
+    (tmp_path / "README").write_text("somebody else's", encoding="utf-8")
+    assert set(blobs.keys()) == keys
+    assert {path.name for path in files(tmp_path)} == {*keys, f"{64 * 'a'}.fresh", "README"}

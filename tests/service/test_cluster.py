@@ -8,54 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import psycopg
 import pytest
 
 from tests.service.bodies import HALF_A_MINUTE, LONG, SOME_SECONDS, ellipse, npy
+from tests.service.clusters import Cluster
 from tests.service.postgres import Postgres
 from tests.service.running import Server, Worker, alive, until
 
 NPY = {"Content-Type": "application/x-npy"}
-
-
-class Cluster:
-    """A database of its own, and the processes around it."""
-
-    def __init__(self, folder: Path, postgres: Postgres) -> None:
-        self._settings = {
-            "DATABASE_URL": postgres.database(),
-            "BLOBS_URL": f"file://{folder / 'blobs'}",
-            "WORKERS": 1,
-            "LEASE": 3,
-        }
-        self._folder = folder
-        self.servers: list[Server] = []
-        self.workers: list[Worker] = []
-
-    def serve(self, **settings: object) -> Server:
-        self.servers.append(Server(self._place(), **self._settings | settings))
-        return self.servers[-1]
-
-    def work(self, **settings: object) -> Worker:
-        self.workers.append(Worker(self._place(), **self._settings | settings))
-        return self.workers[-1]
-
-    def holders(self) -> set[str]:
-        """Return who runs fits at the moment."""
-        with psycopg.connect(str(self._settings["DATABASE_URL"])) as connection:
-            return {row[0] for row in connection.execute("SELECT holder FROM fits WHERE status = 'running'")}
-
-    def end(self) -> None:
-        for program in [*self.servers, *self.workers]:
-            if program.process.poll() is None:
-                program.kill()
-            elif isinstance(program, Server):
-                program.client.close()
-
-    def _place(self) -> Path:
-        place = self._folder / f"{len(self.servers)}-{len(self.workers)}"
-        place.mkdir()
-        return place / "data"
 
 
 @pytest.fixture

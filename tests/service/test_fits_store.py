@@ -3,7 +3,7 @@
 import dataclasses
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -14,19 +14,21 @@ from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, Fit, FitStatus, Holder, PointSetRef
-from service.queue.postgres import PostgresLine, schema
+from service.queue.postgres import PostgresLine, make, steps
 from service.store.fits import SqlFits
 from service.store.tables import postgres_engine, sqlite_engine
+from service.store.versions import Part
 from tests.service.postgres import Postgres
 
 LIMIT = 40
+QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
 ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
 NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
 
 
 @pytest.fixture(scope="session")
 def database(postgres: Postgres) -> Iterator[Engine]:
-    engine = postgres_engine(postgres.database(), schema())
+    engine = postgres_engine(postgres.database(), QUEUE)
     yield engine
     engine.dispose()
 
@@ -171,6 +173,29 @@ def test_an_input_goes_with_the_last_fit_that_has_it(store: SqlFits) -> None:
     assert not store.remove("b", dropped.append)
 
 
+def test_only_an_input_that_no_fit_has_is_discarded(store: SqlFits) -> None:
+    add(store, fit("a", blob="54a3d"))
+    assert store.unused(["54a3d", "1ef7"]) == ["1ef7"]
+    dropped: list[str] = []
+    assert not store.discard("54a3d", dropped.append)
+    assert store.discard("1ef7", dropped.append)
+    assert dropped == ["1ef7"]
+
+
+def test_an_input_is_not_discarded_while_a_fit_with_it_is_on_its_way(store: SqlFits) -> None:
+    dropped: list[str] = []
+    with ThreadPoolExecutor(1) as threads:
+        other: list[Future[bool]] = []
+
+        def keep() -> None:  # the input is there, the fit not yet
+            other.append(threads.submit(store.discard, "b10b", dropped.append))
+            time.sleep(0.3)
+
+        store.add(fit(), keep)
+        assert not other[0].result()
+    assert dropped == []
+
+
 def test_a_key_gets_the_fit_that_it_came_with_first_and_no_other_payload(store: SqlFits) -> None:
     first = add(store, fit("a", key="k", payload="p"))
     assert add(store, fit("b", key="k", payload="p")) == first
@@ -280,11 +305,11 @@ def test_old_fits_and_the_oldest_beyond_a_size_are_outdated(store: SqlFits) -> N
     for name in ("a", "b", "c"):
         store.start(name, ME)
         store.finish(name, 1, FitStatus.SUCCESSFUL, bytes(500), None)
-    long_ago, soon = NOW - timedelta(days=1), datetime.now(UTC) + timedelta(days=1)
-    assert store.outdated(long_ago, 4500) == []
-    assert store.outdated(long_ago, 4499) == ["a"]
-    assert store.outdated(long_ago, 1500) == ["a", "b"]
-    assert store.outdated(soon, 4500) == ["a", "b", "c"]
+    assert store.outdated(60.0, 4500) == []
+    assert store.outdated(60.0, 4499) == ["a"]
+    assert store.outdated(60.0, 1500) == ["a", "b"]
+    time.sleep(0.01)
+    assert store.outdated(0.001, 4500) == ["a", "b", "c"]
 
 
 def test_everything_is_there_when_the_file_is_opened_again(tmp_path: Path) -> None:
@@ -332,6 +357,18 @@ def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, da
     assert shared.get("two") is None
     assert shared.dismiss("one")
     assert jobs(database) == ["cancelled"]
+
+
+def test_a_job_that_a_wrong_clock_put_off_is_replaced(shared: SqlFits, database: Engine) -> None:
+    add(shared, fit())
+    with database.begin() as connection:
+        connection.execute(text("UPDATE procrastinate_jobs SET scheduled_at = now() + interval '1 minute'"))
+        connection.execute(text("UPDATE fits SET touched = now() - interval '1 hour'"))
+    assert shared.rejoin(60.0) == 0
+    with database.begin() as connection:
+        connection.execute(text("UPDATE procrastinate_jobs SET scheduled_at = now() + interval '1 day'"))
+    assert shared.rejoin(60.0) == 1
+    assert shared.rejoin(0.0) == 0
 
 
 def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: SqlFits, database: Engine) -> None:

@@ -17,6 +17,9 @@ async def livez() -> Health:
 
 @router.get("/readyz", summary="Ready for work?", responses={503: problem("Not ready.")})
 async def readyz(here: Here) -> Health:
-    """Answer when fits can be stored and run; 503 while not."""
+    """Answer while fits can be looked up and the server is not about to stop, else 503.
+
+    A disk that is full does not count: what was fitted can still be had. New fits are then answered with 503.
+    """
     await here.desk.check()
     return Health(status="ok")

@@ -1,0 +1,56 @@
+"""A program that a supervisor keeps running."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.service.running import children
+
+COMMAND = Path(sys.executable).parent / "ipfit"
+# Short leases, so that what a dead process held comes back within seconds; a queue that fills.
+SETTINGS: dict[str, object] = {
+    "WORKERS": 1,
+    "SHORT_WORKERS": 1,
+    "LEASE": 5,
+    "QUEUE_LIMIT": 12,
+    "SHUTDOWN_GRACE": 1,
+    "TASKS_PER_WORKER": 20,
+}
+
+
+class Program:
+    """One `ipfit` command, run again whenever it has ended."""
+
+    def __init__(self, command: str, log: Path, settings: dict[str, object]) -> None:
+        self._command, self._log = command, log
+        self._settings = {f"IPFIT_{name}": str(value) for name, value in (SETTINGS | settings).items()}
+        self._settings["TMPDIR"] = str(log.parent)  # what the killed leave behind goes when the run is over
+        self.process: subprocess.Popen[bytes] | None = None
+        self.starts = 0
+
+    def run(self) -> None:
+        """Start, unless it runs."""
+        if self.process is None or self.process.poll() is not None:
+            self.starts += 1
+            with self._log.open("ab") as log:
+                self.process = subprocess.Popen(  # noqa: S603 - our own command
+                    [COMMAND, self._command], env=os.environ | self._settings, stdout=log, stderr=log
+                )
+
+    @property
+    def pid(self) -> int | None:
+        """Return its process, if it runs."""
+        return self.process.pid if self.process is not None and self.process.poll() is None else None
+
+    def fork_servers(self) -> list[int]:
+        """Return the processes that its workers come from."""
+        return [] if self.pid is None else [one for one in children(self.pid) if children(one)]
+
+    def trackers(self) -> list[int]:
+        """Return the processes that Python starts beside the fork servers."""
+        return [] if self.pid is None else [one for one in children(self.pid) if not children(one)]
+
+    def workers(self) -> list[int]:
+        """Return the processes that fit."""
+        return [] if self.pid is None else [worker for one in children(self.pid) for worker in children(one)]
