@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ipcore._typing import FloatArray
 from ipcore.basis import Basis
 from ipcore.frame import Frame
 from ipcore.normals import NormalSource, orient
-from ipcore.points import PointSet
+from ipcore.points import PointSet, unit
 from ipcore.polynomial import ImplicitPolynomial
 from ipcore.sample import SIZE, Sample
 from ipcore.streams import PointStream
@@ -25,12 +25,44 @@ MARGIN = 0.3
 PART = 8192  # points at once in passes over all of them
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
+class Part(Protocol):
     """Some of the points and their unit outward normals, (n, d) in the normalised frame."""
+
+    @property
+    def points(self) -> FloatArray:
+        """Return the points."""
+        ...
+
+    @property
+    def normals(self) -> FloatArray:
+        """Return the normals."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class HeldPart:
+    """A part that is there."""
 
     points: FloatArray
     normals: FloatArray
+
+
+class ReadPart:
+    """A part as it was read: normalised by the thread that asks for it, not by the one that reads."""
+
+    def __init__(self, frame: Frame, points: FloatArray, normals: FloatArray) -> None:
+        """Take raw points and normals of any length but 0, (n, d) each."""
+        self._frame, self._raw = frame, (points, normals)
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """Return the points."""
+        return self._frame.to_local(self._raw[0])
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Return the normals."""
+        return unit(self._raw[1], self._raw[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,9 +121,9 @@ class OrientedPoints:
     def parts(self) -> Iterable[Part]:
         """Return all points in parts, in order: views of those that are held, or pieces read from the stream."""
         if self.stream is not None:
-            return (Part(self.frame.to_local(x), n) for x, n in self.stream.pieces())
+            return (ReadPart(self.frame, x, n) for x, n in self.stream.pieces())
         starts = range(0, len(self.points), PART)
-        return [Part(self.points[start : start + PART], self.normals[start : start + PART]) for start in starts]
+        return [HeldPart(self.points[start : start + PART], self.normals[start : start + PART]) for start in starts]
 
     @cached_property
     def thinned(self) -> "OrientedPoints":

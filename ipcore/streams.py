@@ -55,10 +55,9 @@ class PointStream:
         return len(self.points)
 
     def pieces(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield raw points and unit normals, (n, d) each."""
-        for start, x in _read(self.points):
-            yield x, pointset.unit(self.normals[start : start + PIECE], x, start)
-            _forget(self.normals)
+        """Yield raw points and normals, (n, d) each, which have been checked."""
+        for (_, x), (_, n) in zip(_read(self.points), _read(self.normals), strict=True):
+            yield x, n
 
     @classmethod
     def of(cls, points: np.ndarray, normals: np.ndarray) -> Self:

@@ -37,10 +37,10 @@ def _mapped(folder: Path) -> Trial:
 
 def _pieces(folder: Path) -> Trial:
     few = Cloud.load(folder, str(STREAMED), mapped=True).first(FEW)
-    pieces = {"points": Pieces(folder, str(STREAMED)), "normals": None}
+    pieces = Pieces(folder, str(STREAMED))
     return Trial(
         lambda: fitted(few),
-        lambda: fitted(few, given=pieces),
+        lambda: fitted(few, given={"points": iter(pieces), "normals": None}),
         lambda found: closeness(found.polynomial, few),
     )
 
