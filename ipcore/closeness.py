@@ -1,5 +1,6 @@
 """A polynomial seen from all of its data, part by part."""
 
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 import numpy as np
@@ -8,28 +9,35 @@ from ipcore import parallel
 from ipcore._typing import FloatArray
 from ipcore.criteria import Closeness, distances_and_cosines
 from ipcore.oriented import OrientedPoints, Part
-from ipcore.polynomial import ImplicitPolynomial
+from ipcore.polynomial import ImplicitPolynomial, values_and_gradients
 
-Seen = tuple[FloatArray, FloatArray]
+Weighed = tuple[Part, FloatArray | None]
+
+
+def closenesses(
+    polynomials: Sequence[ImplicitPolynomial], data: OrientedPoints, weights: FloatArray | None = None
+) -> list[Closeness]:
+    """Return how close polynomials of the normalised frame, all in one basis, are to their data, in one pass.
+
+    If there are weights, one for each point that is held, these points count and no others.
+    """
+    sums, farthest = np.zeros((2, len(polynomials))), np.zeros(len(polynomials))
+    for some, far in parallel.ordered(partial(_sums, polynomials), _weighed(data, weights)):
+        sums += some
+        farthest = np.maximum(farthest, far)
+    d_dist, d_smooth = sums / (data.count if weights is None else weights.sum())
+    return [Closeness(*three) for three in zip(d_dist.tolist(), d_smooth.tolist(), farthest.tolist(), strict=True)]
 
 
 def closeness(polynomial: ImplicitPolynomial, data: OrientedPoints, weights: FloatArray | None = None) -> Closeness:
-    """Return how close a polynomial of the normalised frame is to its data.
+    """Return how close a polynomial of the normalised frame is to its data, as `closenesses` does."""
+    return closenesses([polynomial], data, weights)[0]
 
-    Of a stream, the means and the maximum are over all points, the percentile is that of the sample that is held; and
-    if there are weights, for each point that is held, everything is of the sample.
-    """
-    look = partial(_seen, polynomial)
-    if data.stream is None or weights is not None:
-        held = data if data.stream is None else data.thinned
-        distances, cosines = (np.concatenate(c) for c in zip(*parallel.ordered(look, held.parts()), strict=True))
-        return Closeness.of(distances, cosines, weights)
-    sums, farthest = np.zeros(2), 0.0
-    for distances, cosines in parallel.ordered(look, data.parts()):
-        sums += distances.sum(), cosines.sum()
-        farthest = max(farthest, float(distances.max()))
-    d_dist, d_smooth = (sums / data.count).tolist()
-    return Closeness(d_dist, d_smooth, farthest, closeness(polynomial, data.thinned).distances)
+
+def percentile(polynomial: ImplicitPolynomial, data: OrientedPoints, share: float) -> float:
+    """Return the distance |f|/‖∇f‖, in mean radii, within which this share of the points lies; of many, a sample."""
+    seen = parallel.ordered(partial(_seen, [polynomial]), data.thinned.parts())
+    return float(np.quantile(np.concatenate([distances for ((distances, _),) in seen]), share))
 
 
 def moved(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, data: OrientedPoints) -> float:
@@ -39,8 +47,26 @@ def moved(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, data: Orien
     return max(parallel.ordered(partial(_moved, fitted, delivered), data.parts()))
 
 
-def _seen(polynomial: ImplicitPolynomial, part: Part) -> Seen:
-    return distances_and_cosines(*polynomial.value_and_gradient(part.points), part.normals)
+def _weighed(data: OrientedPoints, weights: FloatArray | None) -> Iterable[Weighed]:
+    """Return the parts with the weights of their points."""
+    if weights is None and data.stream is not None:
+        return ((part, None) for part in data.parts())
+    parts = data.held_parts()
+    ends = np.cumsum([len(part.points) for part in parts])[:-1]
+    each = [None] * len(parts) if weights is None else np.split(weights, ends)
+    return list(zip(parts, each, strict=True))
+
+
+def _sums(polynomials: Sequence[ImplicitPolynomial], weighed: Weighed) -> tuple[FloatArray, FloatArray]:
+    """Return Σ w |f|/‖∇f‖ and Σ w n·∇f/‖∇f‖, (2, p), and the largest |f|/‖∇f‖ (p,)."""
+    part, w = weighed
+    seen = np.array(_seen(polynomials, part))  # (p, 2, n)
+    return (seen.sum(axis=2) if w is None else seen @ w).T, seen[:, 0].max(axis=1)
+
+
+def _seen(polynomials: Sequence[ImplicitPolynomial], part: Part) -> list[tuple[FloatArray, FloatArray]]:
+    n = part.normals
+    return [distances_and_cosines(f, gradient, n) for f, gradient in values_and_gradients(polynomials, part.points)]
 
 
 def _moved(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, part: Part) -> float:

@@ -1,6 +1,7 @@
 """Evaluate f = Σ a_ijk X_i(x) Y_j(y) Z_k(z) by matrix products, never term by term."""
 
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -37,39 +38,65 @@ def along_axes(tensor: Array, matrices: list[Array]) -> Array:
 
 
 def scattered(tensors: FloatArray, tables: list[FloatArray]) -> FloatArray:
-    """Evaluate p polynomials at the same N points.
-
-    The products of the first d − 1 variables are formed once; matrix products with the coefficients, then one weighted
-    sum over the last variable's functions, do the rest. With the last one's degree k goes a prefix of the products, of
-    degree ≤ n − k. In 3D, with a few k at once to leave out most of the zeros, that takes about p n³/4 multiplications
-    per point in BLAS-3.
+    """Evaluate p polynomials of one degree at the same N points.
 
     Parameters
     ----------
     tensors
         (p, n+1, …, n+1), coefficients, zero beyond total degree n.
     tables
-        One (n+1, N) per variable.
+        One (≥ n+1, N) per variable.
 
     Returns
     -------
         (p, N)
 
     """
-    dimension, degree = len(tables), tensors.shape[-1] - 1
-    leading = monomials.exponents(dimension - 1, degree)
-    width = TOGETHER if dimension > 2 else degree + 1
-    groups = [slice(k, k + width) for k in range(0, degree + 1, width)]
-    counts = [monomials.count(dimension - 1, degree - group.start) for group in groups]
-    A = np.moveaxis(tensors, -1, 0)[(..., *leading.T)]  # (n+1, p, products)
-    matrices = [A[group, :, :count].reshape(-1, count) for group, count in zip(groups, counts, strict=True)]
-    out = np.empty((len(tensors), tables[0].shape[1]))
-    scratch = np.empty((len(leading), min(CHUNK, out.shape[1])))
-    for start in range(0, out.shape[1], CHUNK):
+    return scattered_stacks([tensors], tables)[0]
+
+
+def scattered_stacks(stacks: list[FloatArray], tables: list[FloatArray]) -> list[FloatArray]:
+    """Evaluate stacks of polynomials, each of a degree of its own, at the same N points; as `scattered` each.
+
+    The products of the first d − 1 variables are formed once; matrix products with the coefficients, then one weighted
+    sum over the last variable's functions, do the rest. With the last one's degree k goes a prefix of the products, of
+    degree ≤ n − k. In 3D, with a few k at once to leave out most of the zeros, that takes about p n³/4 multiplications
+    per point in BLAS-3.
+    """
+    top, N = max(len(stack[0]) for stack in stacks) - 1, tables[0].shape[1]
+    forms = [_Form.of(stack) for stack in stacks]
+    outs = [np.empty((len(stack), N)) for stack in stacks]
+    scratch = np.empty((monomials.count(len(tables) - 1, top), min(CHUNK, N)))
+    for start in range(0, N, CHUNK):
         part = slice(start, start + CHUNK)
-        P = monomials.form_products([t[:, part] for t in tables[:-1]], 0, degree, scratch)
-        sums = np.empty((degree + 1, len(out), P.shape[1]))
-        for group, a in zip(groups, matrices, strict=True):
+        P = monomials.form_products([t[:, part] for t in tables[:-1]], 0, top, scratch)
+        for form, out in zip(forms, outs, strict=True):
+            form.into(out[:, part], P, tables[-1][:, part])
+    return outs
+
+
+@dataclass(frozen=True, eq=False)
+class _Form:
+    """The coefficients of p polynomials of degree n as matrices (k · p, products), for some degrees k each."""
+
+    degree: int
+    groups: list[slice]
+    matrices: list[FloatArray]
+
+    @classmethod
+    def of(cls, tensors: FloatArray) -> Self:
+        dimension, degree = tensors.ndim - 1, tensors.shape[-1] - 1
+        leading = monomials.exponents(dimension - 1, degree)
+        width = TOGETHER if dimension > 2 else degree + 1
+        groups = [slice(k, min(k + width, degree + 1)) for k in range(0, degree + 1, width)]
+        A = np.moveaxis(tensors, -1, 0)[(..., *leading.T)]  # (n+1, p, products)
+        counts = [monomials.count(dimension - 1, degree - group.start) for group in groups]
+        matrices = [A[group, :, :count].reshape(-1, count) for group, count in zip(groups, counts, strict=True)]
+        return cls(degree, groups, matrices)
+
+    def into(self, out: FloatArray, P: FloatArray, last: FloatArray) -> None:
+        """Write the values (p, N), given the products of the other variables and the functions of the last."""
+        sums = np.empty((self.degree + 1, *out.shape))
+        for group, a in zip(self.groups, self.matrices, strict=True):
             np.matmul(a, P[: a.shape[1]], out=sums[group].reshape(len(a), -1))
-        np.einsum("kpn,kn->pn", sums, tables[-1][:, part], out=out[:, part])
-    return out
+        np.einsum("kpn,kn->pn", sums, last[: self.degree + 1], out=out)

@@ -29,35 +29,21 @@ class Closeness:
         The two means above.
     farthest
         The maximum of |f|/‖∇f‖, in mean radii.
-    distances
-        (N,), |f|/‖∇f‖ at the points that are held, in mean radii.
 
     """
 
     d_dist: float
     d_smooth: float
     farthest: float
-    distances: FloatArray
-
-    @classmethod
-    def of(cls, distances: FloatArray, cosines: FloatArray, weights: FloatArray | None = None) -> "Closeness":
-        """Take |f|/‖∇f‖ and n·∇f/‖∇f‖ at the points, (N,) each; the means may be weighted.
-
-        >>> at = Closeness.of(*distances_and_cosines(np.array([0.1]), np.array([[0.0, 2.0]]), np.array([[0.0, 1.0]])))
-        >>> at.d_dist, at.d_smooth
-        (0.05, 1.0)
-        """
-        d_dist, d_smooth = (float(np.average(x, weights=weights)) for x in (distances, cosines))
-        return cls(d_dist, d_smooth, float(distances.max()), distances)
-
-    @property
-    def p95(self) -> float:
-        """Return the 95th percentile of the distances."""
-        return float(np.quantile(self.distances, 0.95))
 
 
 def distances_and_cosines(f: FloatArray, gradient: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return |f|/‖∇f‖ and n·∇f/‖∇f‖, (N,) each, from f (N,) and ∇f (N, d) in the normalised frame and unit normals."""
+    """Return |f|/‖∇f‖ and n·∇f/‖∇f‖, (N,) each, from f (N,) and ∇f (N, d) in the normalised frame and unit normals.
+
+    >>> at = distances_and_cosines(np.array([0.1]), np.array([[0.0, 2.0]]), np.array([[0.0, 1.0]]))
+    >>> [values.tolist() for values in at]
+    [[0.05], [1.0]]
+    """
     size = np.maximum(np.linalg.norm(gradient, axis=1), np.finfo(float).tiny)  # a flat point is far, not undefined
     return np.abs(f) / size, np.einsum("ij,ij->i", normals, gradient) / size
 

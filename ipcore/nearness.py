@@ -82,7 +82,7 @@ def beyond(x: FloatArray, data: FloatArray) -> BoolArray:
     near = holds.ravel()[bins] & (2.0 * HALF * side * np.sqrt(d) < radius)
     doubtful = np.flatnonzero(around.ravel()[bins] & ~near)
     far = ~near
-    far[doubtful] = nearest(tree, x[doubtful], within=2.0 * radius)[0] > radius
+    far[doubtful] = np.isinf(nearest(tree, x[doubtful], within=radius)[0])
     return np.asarray(far)
 
 

@@ -122,6 +122,10 @@ class OrientedPoints:
         """Return all points in parts, in order: views of those that are held, or pieces read from the stream."""
         if self.stream is not None:
             return (ReadPart(self.frame, x, n) for x, n in self.stream.pieces())
+        return self.held_parts()
+
+    def held_parts(self) -> list[HeldPart]:
+        """Return the points that are held in parts, in order."""
         starts = range(0, len(self.points), PART)
         return [HeldPart(self.points[start : start + PART], self.normals[start : start + PART]) for start in starts]
 

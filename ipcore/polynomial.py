@@ -1,6 +1,6 @@
 """The implicit polynomial f(x) = 0, in the caller's coordinates."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, Self
@@ -237,12 +237,27 @@ class ImplicitPolynomial:
         return np.asarray(np.matmul(D, rows).reshape(tensor.shape))
 
     def _evaluate(self, tensors: FloatArray, x: FloatArray) -> FloatArray:
+        return contraction.scattered(tensors, self._tables(x))
+
+    def _tables(self, x: FloatArray) -> list[FloatArray]:
+        """Return the univariate functions at raw points x (M, d), (n+1, M) for each axis."""
         x = self._checked(x)
-        tables = [self._table(np.ascontiguousarray(x[:, axis]), axis) for axis in range(self.dimension)]
-        return contraction.scattered(tensors, tables)
+        return [self._table(np.ascontiguousarray(x[:, axis]), axis) for axis in range(self.dimension)]
 
     def _checked(self, x: FloatArray) -> FloatArray:
         x = np.asarray(x, dtype=np.float64)
         if x.ndim != 2 or x.shape[1] != self.dimension:
             raise InvalidPointsError(f"points must have shape (M, {self.dimension}), not {x.shape}", ("points",))
         return x
+
+
+def values_and_gradients(
+    polynomials: Sequence[ImplicitPolynomial], x: FloatArray
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return f (M,) and ∇f (M, d) of several polynomials at raw points x (M, d), as `value_and_gradient` each.
+
+    They must have frame, bounds and basis in common; then they share the tables and products of the variables.
+    """
+    highest = max(polynomials, key=lambda polynomial: polynomial.degree)
+    evaluated = contraction.scattered_stacks([p._derivatives for p in polynomials], highest._tables(x))  # noqa: SLF001 - of this module
+    return [(both[0], both[1:].T) for both in evaluated]

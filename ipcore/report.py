@@ -7,7 +7,7 @@ from typing import Any
 from ipcore import parallel
 from ipcore.basis import Basis
 from ipcore.boundedness import is_bounded
-from ipcore.closeness import closeness, moved
+from ipcore.closeness import closeness, moved, percentile
 from ipcore.options import FitOptions
 from ipcore.oriented import OrientedPoints
 from ipcore.polynomial import ImplicitPolynomial
@@ -49,7 +49,7 @@ def diagnose(found: Found, data: OrientedPoints, options: FitOptions, orthogonal
     diagnostics = Diagnostics(
         at.d_dist,
         at.d_smooth,
-        at.p95,
+        percentile(local, data, 0.95),
         at.farthest,
         stray,
         components,

@@ -9,7 +9,7 @@ from time import perf_counter
 
 from ipcore import criteria, monomials
 from ipcore.choices import Criterion, Granularity
-from ipcore.closeness import closeness
+from ipcore.closeness import closenesses
 from ipcore.criteria import Closeness
 from ipcore.judges import Judge
 from ipcore.options import FitOptions
@@ -54,43 +54,57 @@ class DegreeSearch:
 
     def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
         """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
-        count, dimension = self.data.count, self.data.points.shape[1]
         best: tuple[float, Fitted, Step, Closeness] | None = None
-        reason = self._judge.exhausted
-        for alpha in alphas:
-            if best is not None and alpha > max(count, dimension + 1):
-                reason = StopReason.TOO_FEW_POINTS
-                break
-            tried = self._try(alpha)
-            if tried is None:
+        some = self._determined(alphas)
+        reason = self._judge.exhausted if len(some) == len(alphas) else StopReason.TOO_FEW_POINTS
+        for group in self._groups(some, progress):
+            tried = self._try(group)
+            for fitted, step, at in tried:
+                score = self._judge.score(step)
+                if best is None or score < best[0]:
+                    best = score, fitted, step, at
+                self.steps.append(step)
+                if progress is not None:
+                    progress(step)
+                verdict = self._judge.verdict(step, best[2])
+                if verdict is not None:
+                    return Found(best[1], best[2], best[3], verdict)
+            if len(tried) < len(group):
                 reason = StopReason.ILL_CONDITIONED
-                break
-            fitted, step, at = tried
-            score = self._judge.score(step)
-            if best is None or score < best[0]:
-                best = score, fitted, step, at
-            if progress is not None:
-                progress(step)
-            verdict = self._judge.verdict(step, best[2])
-            if verdict is not None:
-                reason = verdict
                 break
         if best is None:
             raise ValueError("a search needs at least one stop")
         return Found(best[1], best[2], best[3], reason)
 
-    def _try(self, alpha: int) -> tuple[Fitted, Step, Closeness] | None:
-        """Return the fit and what is noted and seen of it; None if there is none with so many columns."""
-        started = perf_counter()
-        fitted = self.way.raise_to(alpha)
-        if fitted is None:
-            return None
-        at = closeness(fitted.polynomial, self.data, fitted.weights)
-        step = self._step(fitted, at, started)
-        self.steps.append(step)
-        return fitted, step, at
+    def _determined(self, alphas: Sequence[int]) -> Sequence[int]:
+        """Return the first stop, and those with no more columns than there are points."""
+        most = max(self.data.count, self.data.points.shape[1] + 1)
+        return [alpha for k, alpha in enumerate(alphas) if not k or alpha <= most]
 
-    def _step(self, fitted: Fitted, at: Closeness, started: float) -> Step:
+    def _groups(self, alphas: Sequence[int], progress: Progress | None) -> Sequence[Sequence[int]]:
+        """Return the stops in groups that are looked at together: one by one, unless nobody asks before the end."""
+        if progress is None and self.options.criterion is Criterion.NONE and self.options.is_linear:
+            return [alphas] if alphas else []
+        return [[alpha] for alpha in alphas]
+
+    def _try(self, alphas: Sequence[int]) -> list[tuple[Fitted, Step, Closeness]]:
+        """Return the fits and what is noted and seen of them; fewer if not all of them can be had."""
+        fits, seconds, started = [], [], perf_counter()
+        for alpha in alphas:
+            fitted = self.way.raise_to(alpha)
+            if fitted is None:
+                break
+            fits.append(fitted)
+            seconds.append(perf_counter() - started)
+            started = perf_counter()
+        if not fits:
+            return []
+        seen = closenesses([fitted.polynomial for fitted in fits], self.data, fits[0].weights)
+        share = (perf_counter() - started) / len(fits)
+        steps = [self._step(*each) for each in zip(fits, seen, [one + share for one in seconds], strict=True)]
+        return list(zip(fits, steps, seen, strict=True))
+
+    def _step(self, fitted: Fitted, at: Closeness, seconds: float) -> Step:
         asked = self.options.criterion is Criterion.BIC
         return Step(
             degree=fitted.polynomial.degree,
@@ -101,7 +115,7 @@ class DegreeSearch:
             rss=fitted.rss,
             gcv=criteria.gcv(fitted.rows, fitted.freedom, fitted.rss),
             condition=fitted.condition,
-            seconds=perf_counter() - started,
+            seconds=seconds,
             ridged=fitted.ridged,
             bic=criteria.bic(fitted.rows, fitted.freedom, fitted.rss) if asked else None,
             loo=fitted.loo,
