@@ -159,10 +159,10 @@ class Moments:
     ) -> FitResult:
         """Fit a polynomial whose degree finds itself, by default from the moments alone, in milliseconds.
 
-        It is the linear fit of all points to rounding, up to the degree where squaring the condition would show: there
-        the search ends as `ill-conditioned`. D_dist, D_smooth and what else is said of the data is measured at the
-        sample, and the digest of the input is the sample's, too. With the points it is the fit of `ipcore.fit` in this
-        frame, with nothing left out: only the pass over the points that sums their moments is saved.
+        It is the linear fit of all points, D_dist within 1e-6 of itself, up to the degree where squaring the condition
+        would show more: there the search ends as `ill-conditioned`. D_dist, D_smooth and what else is said of the data
+        is measured at the sample, and the digest of the input is the sample's, too. With the points it is the fit of
+        `ipcore.fit` in this frame, with nothing left out: only the pass over them that sums the moments is saved.
 
         Parameters
         ----------

@@ -76,3 +76,5 @@ def refine(fits: list[Refinement], source: RowSource, degree: int, columns: int)
             return
         for fit, g, rss in zip(moving, seen[0].T, seen[1], strict=True):
             fit.correct(g[fit.used], float(rss))
+    for fit in fits:
+        fit.settled = fit.settled is True

@@ -8,11 +8,11 @@ import pytest
 import ipcore
 from ipcore import FitOptions, FitResult, Moments, StopReason, monomials, shapes
 from ipcore._typing import FloatArray
-from ipcore.compressed import BAD, GOOD, CompressedFit
+from ipcore.compressed import GOOD, CompressedFit
 from ipcore.errors import InvalidOptionsError
 from ipcore.oriented import OrientedPoints
 from ipcore.points import check as check_points
-from ipcore.rowsource import DataRows
+from ipcore.rowsource import ALONE, CORRECTED, DataRows
 
 SHAPES = {2: shapes.superellipse, 3: shapes.genus_two}
 
@@ -84,7 +84,7 @@ def test_where_the_condition_is_too_bad_the_rows_themselves_are_factored() -> No
             refined.append(fit.condition)
     assert len(refined) == 1  # with all degrees above it that the triangle has
     assert len(factored) == 1  # from then on it is there
-    assert GOOD < refined[0] < BAD < factored[0]
+    assert GOOD < refined[0] < CORRECTED < factored[0]
 
 
 @pytest.mark.parametrize("factor", ["moments", "tsqr"])
@@ -147,6 +147,6 @@ def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
     points, normals = rough(2)
     result = Moments.of(points, normals, degree=30).fit(FitOptions.of(factor="moments", criterion="none"))
     assert result.stop_reason is StopReason.ILL_CONDITIONED
-    assert max(step.condition for step in result.steps) <= BAD
+    assert max(step.condition for step in result.steps) <= ALONE
     assert result.degree < 30
     assert any("Moments alone" in warning for warning in result.warnings)

@@ -2,11 +2,12 @@
 
 import os
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
-from ipcore.parallel import CHUNK, available, by_rows, mapped
+from ipcore.parallel import AHEAD, CHUNK, available, by_rows, mapped, ordered, using
 
 
 def test_results_come_in_order_from_as_many_threads_as_asked_for() -> None:
@@ -41,3 +42,39 @@ def test_the_environment_says_how_many_threads(monkeypatch: pytest.MonkeyPatch) 
     for unclear in ("", "0", "4,2"):
         monkeypatch.setenv("OMP_NUM_THREADS", unclear)
         assert 1 <= available() <= (os.cpu_count() or 1)
+
+
+def test_a_stream_is_taken_only_a_little_ahead() -> None:
+    taken = []
+
+    def stream() -> Iterator[int]:
+        for k in range(100):
+            taken.append(k)
+            yield k
+
+    results = ordered(lambda k: -k, stream(), threads=2)
+    assert next(results) == 0
+    assert len(taken) <= 2 * AHEAD
+    assert list(results) == [-k for k in range(1, 100)]
+
+
+def test_after_an_error_nothing_more_is_begun() -> None:
+    begun = []
+
+    def work(k: int) -> float:
+        begun.append(k)
+        return 1 / (k - 1)
+
+    with pytest.raises(ZeroDivisionError):
+        list(ordered(work, iter(range(1000)), threads=2))
+    assert len(begun) <= 1 + 2 * AHEAD
+
+
+def test_work_within_work_keeps_to_its_thread() -> None:
+    def inner(_: int) -> set[int]:
+        return {threading.get_ident(), *mapped(lambda _: threading.get_ident(), range(4), threads=2)}
+
+    assert all(len(threads) == 1 for threads in mapped(inner, range(4), threads=2))
+    with using(3):
+        assert available() == 3
+        assert mapped(lambda _: available(), range(2), threads=2) == [1, 1]
