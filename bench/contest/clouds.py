@@ -58,13 +58,20 @@ def bent(name: str, count: int) -> PointSet:
     return PointSet(name, points + BEND * np.sin(wave), n / np.linalg.norm(n, axis=1)[:, None], closed=True)
 
 
-def outlines(count: int) -> list[PointSet]:
-    """Return outlines of so many points, in order: of all in the folder that have as many, else of letters."""
+def outlines(most: int) -> list[PointSet]:
+    """Return outlines of at most so many points, evenly thinned: all in the folder, else letters."""
     if from_folder():
         there = [sets.load(str(entry["name"])) for entry in sets.index() if entry["dim"] == 2]
     else:
         there = [one for one in held_back.shapes() if one.dimension == 2]
-    return [one.sample(count) for one in there if len(one.points) >= count]
+    return [_thinned(one, most) for one in there]
+
+
+def _thinned(one: PointSet, most: int) -> PointSet:
+    """Return an outline with some of its points left out, as evenly as can be."""
+    keep = np.unique(np.linspace(0, len(one.points) - 1, min(most, len(one.points))).round().astype(np.intp))
+    normals = None if one.normals is None else one.normals[keep]
+    return PointSet(one.name, one.points[keep], normals, one.closed)
 
 
 def solid(count: int) -> PointSet:

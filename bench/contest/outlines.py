@@ -1,4 +1,4 @@
-"""Outlines of 500 points, in process: the plain fit and the default one."""
+"""Outlines of 500 points at most, in process: the plain fit and the default one."""
 
 from functools import partial
 from pathlib import Path
@@ -63,7 +63,7 @@ def targets(scores: Scores) -> list[Target]:
     """Return the medians over the outlines."""
     bare = _middle(scores, BARE)
     notes = {PLAIN: f" ({bare:.3g} ms when the zero set is not measured)"}
-    what = f"median outline of {COUNT} points, {{}} fit"
+    what = f"median outline of at most {COUNT} points, {{}} fit"
     return [
         at_most(what.format(way), _middle(scores, way), limit, " ms", notes.get(way, ""))
         for way, limit in ASKED.items()
@@ -91,4 +91,4 @@ def shown(scores: Scores) -> str:
         lines.append([way, *times, f"{found['degree']:g}", f"{found['d_dist']:.4f}", f"{found['d_smooth']:.3f}"])
     heads = ["fit", "ms, median", "least", "most", "degree", "D_dist", "D_smooth"]
     count = len(clouds.outlines(COUNT))
-    return f"{count} outlines of {COUNT} points. {how_many(scores)}.\n\n{table(heads, lines)}"
+    return f"{count} outlines of at most {COUNT} points. {how_many(scores)}.\n\n{table(heads, lines)}"
