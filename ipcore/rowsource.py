@@ -18,9 +18,9 @@ from ipcore.system import System
 from ipcore.triangle import Triangle
 
 ROWS = 4096  # of M at once: 32 MB at degree 16 in 3D
-# κ₁, as LAPACK estimates it, up to which a triangle by way of MᵀM is of use; some ten times κ₂. With rows to correct the
-# answer by, a correction gains hardly more than a factor of two at the first. Without them the answer has to be good as
-# it is: over 26 sets D_dist was off by less than 2e-7 of itself below the second.
+# κ₁, as LAPACK estimates it (ten times κ₂ or so), up to which a triangle by way of MᵀM is of use. With rows to correct
+# the answer by, a correction gains hardly more than a factor of two at the first. Without them the answer has to be
+# good as it is: over 26 sets D_dist was off by less than 2e-7 of itself below the second.
 CORRECTED, ALONE = 1e9, 1e6
 
 
