@@ -15,7 +15,7 @@ logger = logging.getLogger(__name__)
 # Seconds between tries when the store fails: an hour in all.
 PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
 # A fit whose points cannot be read is put back in line so often, each time for longer: for an hour in all, too.
-MAX_AWAY = 90
+MAX_AWAY = 91
 # Seconds that giving a fit back may take when this process is about to end; the lease gives it back anyway.
 PARTING = 2.0
 # Seconds between two looks of the keeper of a lease, which also passes progress on.
