@@ -19,7 +19,7 @@ class Cluster:
             "LEASE": 3,
             **settings,
         }
-        self._folder = folder
+        self._folder, self.database = folder, str(self._settings["DATABASE_URL"])
         self.servers: list[Server] = []
         self.workers: list[Worker] = []
 
