@@ -38,6 +38,7 @@ class Settings(BaseSettings):
     fit_deadline: float = Field(
         600.0, gt=0, description="Seconds that a fit, or a part of one, may run before it is killed."
     )
+    # In 3D a core sums the moments of so many points in two seconds or three; a job of its own costs some hundredths.
     split_points: int = Field(
         250_000,
         ge=1000,

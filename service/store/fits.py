@@ -1,18 +1,17 @@
 """Fits in a SQL database, through SQLAlchemy Core."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from datetime import timedelta
-from threading import Lock
 from typing import Any
 
 import orjson
-from sqlalchemy import Connection, Engine, func, select, text
+from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import IntegrityError
 
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import Failure, Fit, FitStatus, Holder
 from service.store import moves, rows
+from service.store.inputs import Inputs
 from service.store.moves import FREE, Line
 from service.store.tables import fits
 
@@ -25,7 +24,7 @@ class SqlFits:
     def __init__(self, engine: Engine, limit: int, line: Line | None = None) -> None:
         """Use an engine whose tables exist; let at most `limit` fits wait; tell `line` of what comes and goes."""
         self._engine, self._limit, self._line = engine, limit, line
-        self._alone = Lock()
+        self._inputs = Inputs(engine)
 
     def add(self, fit: Fit, keep: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
         """Store a new fit with its parts and its input, unless it was stored before."""
@@ -37,7 +36,7 @@ class SqlFits:
             return self._add(fit, keep, parts)  # whoever came first with this key has committed by now, and is found
 
     def _add(self, fit: Fit, keep: Callable[[], object], parts: Sequence[Fit]) -> Fit:
-        with self._holding(fit.input.key) as connection:
+        with self._inputs.held(fit.input.key) as connection:
             earlier = self._earlier(connection, fit)
             if earlier is not None:
                 return earlier
@@ -141,7 +140,7 @@ class SqlFits:
 
     def discard(self, key: str, drop: Callable[[str], object]) -> bool:
         """Drop an input, if no fit has it and none can be coming with it."""
-        with self._holding(key, alone=True) as connection:
+        with self._inputs.held(key, alone=True) as connection:
             used = connection.execute(select(fits.c.id).where(fits.c.input == key).limit(1)).first() is not None
             if not used:
                 drop(key)
@@ -202,15 +201,3 @@ class SqlFits:
         count, cost = rows.backlog(connection)
         if count >= self._limit:
             raise QueueFullError(f"{count} fits wait already, as many as may", retry_after=cost / count)
-
-    @contextmanager
-    def _holding(self, key: str, *, alone: bool = False) -> Iterator[Connection]:
-        """Yield a transaction in which an input is not removed; or, `alone`, in which no fit with it is added."""
-        if self._engine.dialect.name == "sqlite":  # a single process has it
-            with self._alone, self._engine.begin() as connection:
-                yield connection
-            return
-        lock = "pg_advisory_xact_lock" if alone else "pg_advisory_xact_lock_shared"
-        with self._engine.begin() as connection:
-            connection.execute(text(f"SELECT {lock}(:key)"), {"key": int(key[:15], 16)})
-            yield connection
