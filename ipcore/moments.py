@@ -1,6 +1,6 @@
 """A point set as sums that add: it can be extended, merged and fitted again without its points."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
 from pathlib import Path
@@ -85,7 +85,8 @@ class Moments:
         options
             `constraints`, 3l or 5l, and `layer_distance`; nothing else is used.
         frame
-            The normalised frame; by default that of these points. Sets that will be merged need the same one.
+            The normalised frame; by default that of these points. Sets that will be merged need the same one. With it,
+            points need not be a set that can be fitted: some of a set may well lie on one line.
         threads
             As for `ipcore.fit`.
 
@@ -98,11 +99,22 @@ class Moments:
         offsets = families.offsets(options or FitOptions())
         if not offsets:
             raise InvalidOptionsError("moments are for constraints 3l and 5l", ("constraints",))
-        x = pointset.check(points).points
+        x = pointset.check(points).points if frame is None else pointset.matrix("points", points, InvalidPointsError)
+        pointset.check_shape(x.shape)
         integer("degree", degree, 1, HIGHEST_DEGREE[x.shape[1]])
         empty = LayerMoments.empty(x.shape[1], degree, offsets)
         start = cls(frame or Frame.of(x), empty, np.stack([x.min(axis=0), x.max(axis=0)]), Sample.empty(x.shape[1]))
         return start.extended(x, normals, threads=threads)
+
+    @staticmethod
+    def can_fit(options: FitOptions) -> bool:
+        """Return whether moments give fits with these options.
+
+        >>> Moments.can_fit(FitOptions(geometric=False)), Moments.can_fit(FitOptions())
+        (True, False)
+        """
+        linear = options.is_linear and not options.needs_rows
+        return linear and options.factor in {Factor.AUTO, Factor.MOMENTS} and bool(families.offsets(options))
 
     @property
     def count(self) -> int:
@@ -133,6 +145,10 @@ class Moments:
         with parallel.using(threads):
             layers = reduce(add, parallel.ordered(self._layers, ((x[s], n[s]) for s in parallel.slices(len(x)))))
         return self + Moments(self.frame, layers, box, Sample.of(x, n))
+
+    def without_sample(self) -> Self:
+        """Return the same without its sample, which is most of its bytes: enough for `fit` with the points at hand."""
+        return replace(self, sample=Sample.empty(self.layers.dimension))
 
     def __add__(self, other: "Moments") -> Self:
         """Return the moments of both sets together.
@@ -171,6 +187,7 @@ class Moments:
             geometric fit, other factorisations, leaving points out.
         points, normals
             The points of which these are the moments, (N, d) each, held or memory-mapped, if they are still at hand.
+            Degrees that the moments do not reach are then fitted from the points.
         progress
             As for `ipcore.fit`.
 
@@ -179,12 +196,13 @@ class Moments:
         InvalidPointsError, InvalidNormalsError
             If the points cannot be fitted, or are not as many as these moments are of.
         InvalidOptionsError
-            If the options ask for what moments cannot give, or for other layers or a higher degree than they are of.
+            If the options ask for what moments cannot give, for other layers than they are of, or, without the points,
+            for a higher degree.
 
         """
         asked = options or FitOptions(factor=Factor.MOMENTS)
         self._check(asked)
-        top = min(asked.max_degree or self.degree, self.degree)
+        top = asked.degree_cap(self.layers.dimension) if points is not None else self._reached(asked)
         data, source, digest = self._alone() if points is None else self._with(points, normals, asked)
         search = DegreeSearch(data, asked, CompressedFit(data, asked, top, source), judge(asked))
         with limited(1):
@@ -230,7 +248,7 @@ class Moments:
 
     def _check(self, options: FitOptions) -> None:
         """Refuse options that ask for what moments cannot give."""
-        if not options.is_linear or options.needs_rows or options.factor not in {Factor.AUTO, Factor.MOMENTS}:
+        if not self.can_fit(options):
             raise InvalidOptionsError(
                 "moments give linear fits only, with factor auto or moments and no point left out: set geometric to "
                 "false, or fit the points themselves",
@@ -238,10 +256,16 @@ class Moments:
             )
         if families.offsets(options) != self.layers.offsets:
             raise InvalidOptionsError(f"these are moments of layers at {self.layers.offsets}", ("layer_distance",))
+
+    def _reached(self, options: FitOptions) -> int:
+        """Return the last degree to try, if it is one that the moments reach and there are points to measure it at."""
         if (options.max_degree or 0) > self.degree:
             raise InvalidOptionsError(
                 f"these moments reach up to degree {self.degree}, not {options.max_degree}", ("max_degree",)
             )
+        if not len(self.sample.points):
+            raise InvalidPointsError("these moments have no sample: they are fitted with their points", ("points",))
+        return options.max_degree or self.degree
 
     def _alone(self) -> tuple[OrientedPoints, RowSource, str]:
         """Return the sample, the rows as far as moments tell of them, and the sample's digest."""

@@ -49,9 +49,11 @@ def main() -> int:
 
 def _run(fleet: Fleet, log: Log, told: argparse.Namespace) -> bool:
     fleet.start()
+    for port in fleet.ports:
+        one = Caller(CALLERS, [port], Log(), told.seed)
+        while (answer := one.ask("GET", "/readyz")) is None or not answer.is_success:
+            time.sleep(0.2)
     asker = Caller(CALLERS, fleet.ports, Log(), told.seed)
-    while (answer := asker.ask("GET", "/readyz")) is None or not answer.is_success:
-        time.sleep(0.2)
     reference = verdict.in_peace(asker.ask, [(content, query) for content, query, _ in FITS])
     verdict.install_audit(fleet)
     began, enough = time.monotonic(), Event()
@@ -91,6 +93,7 @@ def _tell(  # noqa: PLR0913, PLR0917 - what there is to tell
     }
     print(f"## {told.engine}, seed {told.seed}\n")
     print(f"- accepted fits: {len(log.promises)}; how they ended: {_listed(result.ends)}")
+    print(f"- parts of fits: {_listed(result.parts)}")
     print(f"- SIGKILLs: {fleet.kills.total()}; {_listed(fleet.kills)}; besides: {_listed(fleet.other) or 'nothing'}")
     print(f"- programs started: {sum(one.starts for one in fleet.servers + fleet.hands)}")
     print(f"- answers: {_listed(log.answers)}")

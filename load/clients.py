@@ -10,14 +10,16 @@ from uuid import uuid4
 
 import httpx
 
-from tests.service.bodies import ellipse, npy, sphere, torus
+from tests.service.bodies import ellipse, huge_torus, npy, sphere, torus
 
-# What is sent: content, query, and how often. The first two take some hundredths of a second, the last two or three.
+# What is sent: content, query, and how often. The first two take some hundredths of a second, the others two or three;
+# the last is split into five parts.
 FITS = (
-    (npy(ellipse()), "", 55),
-    (npy(sphere()), "", 30),
+    (npy(ellipse()), "", 50),
+    (npy(sphere()), "", 25),
     (npy(torus(3000)), "t1=0&max_degree=8", 11),
     (npy(torus(20_000)), "t1=0&max_degree=8", 4),
+    (npy(huge_torus(100_000)), "constraints=5l", 10),
 )
 FINAL = ("successful", "failed", "dismissed")
 # Share of fits that are dismissed again.

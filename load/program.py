@@ -8,7 +8,8 @@ from pathlib import Path
 from tests.service.running import children
 
 COMMAND = Path(sys.executable).parent / "ipfit"
-# Short leases, so that what a dead process held comes back within seconds; a queue that fills.
+# Short leases, so that what a dead process held comes back within seconds; a queue that fills; parts of a fit that take
+# some tenths of a second.
 SETTINGS: dict[str, object] = {
     "WORKERS": 1,
     "SHORT_WORKERS": 1,
@@ -16,6 +17,7 @@ SETTINGS: dict[str, object] = {
     "QUEUE_LIMIT": 12,
     "SHUTDOWN_GRACE": 1,
     "TASKS_PER_WORKER": 20,
+    "SPLIT_POINTS": 20_000,
 }
 
 

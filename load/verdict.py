@@ -63,6 +63,7 @@ class Verdict:
         self._asker = Caller(0, fleet.ports, log, 0)
         self._moves: list[tuple[Any, ...]] = []
         self.ends: Counter[str] = Counter()
+        self.parts: Counter[str] = Counter()
         self.lost: list[str] = []
         self.twice: list[str] = []
         self.stuck: list[str] = []
@@ -76,6 +77,7 @@ class Verdict:
         for promise, fit in finals:
             self._judge(promise, fit)
         self._judge_moves()
+        self._judge_parts()
         self._judge_keys()
         self._judge_points()
 
@@ -102,7 +104,8 @@ class Verdict:
 
     def _explain(self, promise: Promise, problem: dict[str, Any]) -> None:
         """Accept that a fit failed if its processes were killed as often as it takes, and for no other reason."""
-        starts = sum(new == "running" for fit, _, new in self._moves if fit == promise.fit)
+        each = Counter(fit for fit, _, new in self._moves if new == "running" and fit.startswith(promise.fit))
+        starts = max(each.values(), default=0)  # of the fit, or of the part that was started most often
         enough = MAX_CRASHES if problem["detail"] == CRASHED else MAX_ABANDONED if problem["detail"] == LEFT else None
         if enough is None or starts < enough:
             self._log.unexplained.append(f"{promise.fit} failed after {starts} starts: {problem}")
@@ -128,11 +131,28 @@ class Verdict:
             final[fit] += new in FINAL
         self.twice += [f"{fit} ended {count} times" for fit, count in final.items() if count > 1]
 
+    def _judge_parts(self) -> None:
+        """Every part of a successful fit ended once, and nothing is left of parts."""
+        started = Counter(fit for fit, _, new in self._moves if new == "running" and "-" in fit)
+        summed = Counter(fit for fit, _, new in self._moves if new == "successful" and "-" in fit)
+        self.parts.update({"summed": summed.total(), "started": started.total()})
+        for fit, parts in rows(self._fleet, "SELECT id, parts FROM fits WHERE parts > 0 AND status = 'successful'"):
+            counts = [count for part, count in summed.items() if part.startswith(fit)]
+            self.parts["of successful fits"] += len(counts)
+            if counts != [1] * parts and fit not in {one["id"] for one in self._reference}:
+                self.wrong.append(f"{fit} has {parts} parts, which ended {counts} times")
+        left = rows(self._fleet, "SELECT id FROM fits WHERE whole IS NOT NULL")
+        self.wrong += [f"the part {part} is left" for (part,) in left]
+
     def _judge_keys(self) -> None:
         """There is one fit for each key, and none that nobody was told of."""
         told = {promise.key: promise.fit for promise in self._log.promises}
         in_peace = {fit["id"] for fit in self._reference}
-        kept = [(key, fit) for key, fit in rows(self._fleet, "SELECT key, id FROM fits") if fit not in in_peace]
+        kept = [
+            (key, fit)
+            for key, fit in rows(self._fleet, "SELECT key, id FROM fits WHERE whole IS NULL")
+            if fit not in in_peace
+        ]
         self.wrong += [f"{fit} is stored, and nobody was told" for key, fit in kept if told.get(key) != fit]
         if len(told) != len(self._log.promises) or len(set(told.values())) != len(told):
             self.wrong.append("two promises have one key or one fit")

@@ -35,7 +35,16 @@ class Settings(BaseSettings):
         8 * 2**30, ge=2**29, description="Memory that a worker may take, in bytes; a fit that needs more fails."
     )
     tasks_per_worker: int = Field(100, ge=1, description="Tasks after which a worker process is replaced.")
-    fit_deadline: float = Field(600.0, gt=0, description="Seconds that a fit may run before it is killed.")
+    fit_deadline: float = Field(
+        600.0, gt=0, description="Seconds that a fit, or a part of one, may run before it is killed."
+    )
+    # In 3D a core sums the moments of so many points in two seconds or three; a job of its own costs some hundredths.
+    split_points: int = Field(
+        250_000,
+        ge=1000,
+        description="Points above which a linear fit with normals is split: workers sum parts of at most so many at "
+        "once. As many as IPFIT_MAX_POINTS keep every fit in one piece.",
+    )
     lease: float = Field(
         30.0, ge=1.0, description="Seconds after which a fit is taken from a supervisor that is not heard of any more."
     )

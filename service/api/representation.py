@@ -43,6 +43,8 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
     }
     if not fit.status.final:
         members["progress"] = progress
+    if fit.parts and not fit.status.final:
+        members["parts"] = {"summed": fit.parts - fit.unsummed, "total": fit.parts}
     if fit.failure is not None:
         members["problem"] = {
             "type": f"urn:ipfit:problem:{fit.failure.kind}",

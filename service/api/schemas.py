@@ -144,6 +144,13 @@ class Engine(BaseModel):
     input_sha256: str = Field(description="SHA-256 of points and normals, as doubles.")
 
 
+class Parts(BaseModel):
+    """The parts of a fit that was split over workers, because its points are so many."""
+
+    summed: int = Field(description="How many of them have ended.")
+    total: int = Field(description="How many there are.")
+
+
 class FitResource(BaseModel):
     """A fit. The members from `polynomial` on are there when it is successful, `problem` when it failed."""
 
@@ -158,6 +165,7 @@ class FitResource(BaseModel):
     points: int = Field(description="N, the number of points.")
     options: dict[str, Any] = Field(description="As asked for; with defaults filled in when successful.")
     progress: list[Step] = Field(default_factory=list, description="The degrees tried so far, while it is running.")
+    parts: Parts | None = Field(None, description="How far its parts are, if it has any, while it is live.")
     problem: Problem | None = Field(None, description="Why it failed.")
     polynomial: Polynomial | None = Field(None, description="The answer.")
     stop_reason: (

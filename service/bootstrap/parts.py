@@ -14,7 +14,7 @@ from service.jobs.desk import FitDesk
 from service.jobs.fit import MAX_CRASHES, Holder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
-from service.queue.runner import Runner
+from service.queue.runner import Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
 from service.workers.pool import WorkerPool
@@ -42,7 +42,8 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
     """Return what runs fits in these workers."""
     name = f"{socket.gethostname()}-{os.getpid()}-{uuid4().hex[:8]}"
     holder = Holder(name, settings.lease)
-    return Runner(store, blobs, workers, tasks.fit, holder=holder, deadline=settings.fit_deadline, publish=publish)
+    work = Tasks(tasks.fit, tasks.part, tasks.rest)
+    return Runner(store, blobs, workers, work, holder=holder, deadline=settings.fit_deadline, publish=publish)
 
 
 @asynccontextmanager
@@ -50,7 +51,8 @@ async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: Fit
     """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
     async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
         reader = Intake(clerks, settings.max_points, settings.mesh_deadline)
-        yield FitDesk(store, blobs, queue, reader, DrawingRoom(clerks, settings.mesh_deadline))
+        draughtsman = DrawingRoom(clerks, settings.mesh_deadline)
+        yield FitDesk(store, blobs, queue, reader, draughtsman, split_points=settings.split_points)
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:

@@ -44,3 +44,7 @@ class Intake:
             ipcore.FitOptions.of(**options).degree_cap(dimension)
         except ipcore.InvalidOptionsError as error:
             raise InvalidInputError(str(error), ("options", *error.at)) from error
+
+    def sums(self, options: dict[str, Any]) -> bool:
+        """Return whether a fit with these options can be made of moments, which are sums over its points."""
+        return ipcore.Moments.can_fit(ipcore.FitOptions.of(**options))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 import ipcore
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.slices import Frame
 
 Array = NDArray[Any]
 Parts = tuple[Array, Array | None, dict[str, Any]]
@@ -69,7 +70,15 @@ def checked(points: Array, normals: Array | None, options: dict[str, Any], max_p
         raise InvalidInputError(error.message, error.at) from error
     table = given.points if given.normals is None else np.hstack([given.points, given.normals])
     count, dimension = given.points.shape
-    return PointSet(_npy(table), dimension, count, options)
+    return PointSet(_npy(table), dimension, count, options, _frame(given))
+
+
+def _frame(given: ipcore.PointSet) -> Frame | None:
+    """Return the frame in which moments of parts of the points can be summed, if there will be any."""
+    if given.normals is None or given.planar:
+        return None
+    frame = ipcore.Frame.of(given.points)
+    return Frame(tuple(frame.centre.tolist()), frame.scale)
 
 
 def halves(table: Array) -> tuple[Array, Array | None]:

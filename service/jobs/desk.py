@@ -23,6 +23,7 @@ from service.jobs.errors import (
 )
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
 from service.jobs.ports import BlobStore, Draughtsman, FitQueue, FitStore, Reader
+from service.jobs.split import split
 
 T = TypeVar("T")
 
@@ -30,12 +31,19 @@ T = TypeVar("T")
 class FitDesk:
     """What a caller can have done with fits. Blocking stores are called in threads, so the event loop never waits."""
 
-    def __init__(
-        self, store: FitStore, blobs: BlobStore, queue: FitQueue, reader: Reader, draughtsman: Draughtsman
+    def __init__(  # noqa: PLR0913 - five parts, one fact
+        self,
+        store: FitStore,
+        blobs: BlobStore,
+        queue: FitQueue,
+        reader: Reader,
+        draughtsman: Draughtsman,
+        *,
+        split_points: int,
     ) -> None:
-        """Work with these parts."""
+        """Work with these parts; split fits of more points than that, if sums over them will do."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._draughtsman = reader, draughtsman
+        self._reader, self._draughtsman, self._split_points = reader, draughtsman, split_points
 
     async def read(self, body: bytes | Path, kind: str) -> PointSet:
         """Read and check a body; nothing is accepted yet."""
@@ -65,16 +73,19 @@ class FitDesk:
         """
         self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
-        new = _new_fit(points, options, client, key)
-        fit = await self._add(new, points.content)
+        new, parts = _new_fit(points, options, client, key), list[Fit]()
+        if points.frame is not None and points.points > self._split_points and self._reader.sums(options):
+            new, parts = split(new, points.frame, self._split_points)
+        fit = await self._add(new, points.content, parts)
         if fit.id == new.id:
-            self._queue.submit(fit)
+            for one in parts or [fit]:
+                self._queue.submit(one)
         return fit
 
-    async def _add(self, new: Fit, content: bytes) -> Fit:
+    async def _add(self, new: Fit, content: bytes, parts: list[Fit]) -> Fit:
         """Store a fit with its input; if it cannot be stored, leave no input that takes the last room on the disk."""
         try:
-            return await _asked(self._store.add, new, lambda: self._blobs.put(content))
+            return await _asked(self._store.add, new, lambda: self._blobs.put(content), parts)
         except NotReadyError:
             with suppress(Exception):
                 await asyncio.to_thread(self._store.discard, new.input.key, self._blobs.delete)
@@ -157,7 +168,7 @@ class FitDesk:
 
     async def _get(self, fit_id: str) -> Fit:
         fit = await _asked(self._store.get, fit_id)
-        if fit is None:
+        if fit is None or fit.whole is not None:  # a part is nobody's business
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit
 

@@ -5,6 +5,9 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
+from service.jobs.cost import SHORT
+from service.jobs.slices import Frame, Slice
+
 
 class FitStatus(StrEnum):
     """Where a fit is in its life."""
@@ -21,7 +24,8 @@ class FitStatus(StrEnum):
         return not MOVES[self]
 
 
-# running → accepted: its worker died, or the server stopped, and it is to run again.
+# running → accepted: its worker died, or the server stopped, and it is to run again; or all of its parts have ended,
+# and what is left of it waits for a worker.
 MOVES: dict[FitStatus, frozenset[FitStatus]] = {
     FitStatus.ACCEPTED: frozenset({FitStatus.RUNNING, FitStatus.DISMISSED}),
     FitStatus.RUNNING: frozenset(
@@ -78,6 +82,8 @@ class PointSet:
         d and N.
     options
         What came along in the same body, unchecked.
+    frame
+        Its frame, if it has normals and is not planar: then sums over its points can be made part by part.
 
     """
 
@@ -85,6 +91,7 @@ class PointSet:
     dimension: int
     points: int
     options: dict[str, Any]
+    frame: Frame | None = None
 
 
 @dataclass(frozen=True)
@@ -127,7 +134,7 @@ class Holder:
 
 @dataclass(frozen=True)
 class Fit:
-    """One fit.
+    """One fit; or a part of one, which lives as fits do, and whose result are the moments of some of the points.
 
     Attributes
     ----------
@@ -147,6 +154,11 @@ class Fit:
         JSON of the answer, when successful.
     failure
         Why, when failed.
+    parts, unsummed
+        Of a fit that was split: how many parts it has, and how many of them have not ended yet. Until all have, it is
+        not in line itself.
+    whole, slice
+        Of a part: the fit that it belongs to, and its points.
 
     """
 
@@ -165,3 +177,12 @@ class Fit:
     crashes: int = 0
     result: bytes | None = None
     failure: Failure | None = None
+    parts: int = 0
+    unsummed: int = 0
+    whole: str | None = None
+    slice: Slice | None = None
+
+    @property
+    def short(self) -> bool:
+        """Return whether it may use the lane of the short. The parts of a huge fit must not: together they are long."""
+        return self.whole is None and self.cost <= SHORT

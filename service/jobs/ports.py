@@ -1,6 +1,6 @@
 """What the use cases need from the outside, as Protocols; `service.bootstrap` puts the real ones in."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -13,8 +13,8 @@ T = TypeVar("T")
 class FitStore(Protocol):
     """Fits, durable. Every method is one transaction; a move that the table of moves forbids changes nothing."""
 
-    def add(self, fit: Fit, keep: Callable[[], object]) -> Fit:
-        """Store a new fit and return it, or return the fit that came earlier with the same key and payload.
+    def add(self, fit: Fit, keep: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
+        """Store a new fit with its parts and return it, or the fit that came earlier with the same key and payload.
 
         `keep` stores its input, at a moment when nobody can be removing it. When this returns, both survive a crash.
 
@@ -33,7 +33,8 @@ class FitStore(Protocol):
     def start(self, fit_id: str, holder: Holder) -> int | None:
         """Move to running, on a lease, and return the attempt, from 1; None if the fit does not wait.
 
-        A running fit whose lease has run out counts as waiting: its holder is dead.
+        A running fit whose lease has run out counts as waiting: its holder is dead. With its first part a fit runs,
+        too; it waits again, to be started itself, when the last one has ended.
         """
 
     def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
@@ -45,10 +46,16 @@ class FitStore(Protocol):
     def finish(
         self, fit_id: str, attempt: int, status: FitStatus, result: bytes | None, failure: Failure | None
     ) -> bool:
-        """Move to a final status with its result or failure, if this attempt still holds the fit."""
+        """Move to a final status with its result or failure, if this attempt still holds the fit.
+
+        Its parts go. If it is itself a part, it counts as summed, or its fit fails with it.
+        """
+
+    def sums(self, fit_id: str) -> list[bytes]:
+        """Return what the parts of a fit resulted in, in their order."""
 
     def dismiss(self, fit_id: str) -> bool:
-        """Move to dismissed, if the fit is live."""
+        """Move to dismissed, if the fit is live; its parts go."""
 
     def remove(self, fit_id: str, drop: Callable[[str], object]) -> bool:
         """Forget a fit that has ended, and `drop` its input if no other fit has the same."""
@@ -60,10 +67,10 @@ class FitStore(Protocol):
         """Return those of the inputs that no fit has."""
 
     def waiting(self) -> list[Fit]:
-        """Return the accepted fits, oldest first."""
+        """Return the accepted fits and parts that are in line, oldest first."""
 
     def count_waiting(self) -> int:
-        """Return how many fits are accepted."""
+        """Return how many fits are accepted and in line, some part of them or as a whole."""
 
     def recover(self) -> int:
         """Move every running fit back to accepted, when nobody else can be running any; return how many."""
@@ -84,8 +91,8 @@ class BlobStore(Protocol):
     def put(self, content: bytes) -> str:
         """Store and return the key; when this returns they survive a crash."""
 
-    def get(self, key: str) -> bytes:
-        """Return the bytes."""
+    def get(self, key: str, start: int | None = None, end: int | None = None) -> bytes:
+        """Return the bytes, or some of them."""
 
     def delete(self, key: str) -> None:
         """Remove them, if they are there."""
@@ -128,10 +135,10 @@ class FitQueue(Protocol):
         """End a drain at once."""
 
     def submit(self, fit: Fit) -> None:
-        """See that the fit is run."""
+        """See that the fit, or the part of one, is run."""
 
     def cancel(self, fit_id: str) -> None:
-        """Kill the worker that runs the fit, or take it out of the line."""
+        """Kill the workers that run the fit and its parts, or take them out of the line."""
 
     async def wait(self, fit_id: str, seconds: float) -> None:
         """Return when the fit has ended, the time is up, or the server is about to stop."""
@@ -162,6 +169,9 @@ class Reader(Protocol):
             If there are any; `at` names one.
 
         """
+
+    def sums(self, options: dict[str, Any]) -> bool:
+        """Return whether a fit with these options, which were checked, can be made of sums over its points."""
 
 
 class Draughtsman(Protocol):

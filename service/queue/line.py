@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from service.jobs.cost import SHORT
 from service.jobs.fit import Fit
 
 
@@ -15,16 +14,16 @@ class _Client:
     used
         Predicted seconds of its fits that were taken; the client that has used least is next.
     fits
-        Its waiting fits, oldest first, each with its predicted seconds.
+        Its waiting fits, oldest first.
 
     """
 
     used: float
-    fits: dict[str, float] = field(default_factory=dict)
+    fits: dict[str, Fit] = field(default_factory=dict)
 
-    def first(self, most: float) -> str | None:
-        """Return the oldest fit that will take at most so many seconds."""
-        return next((one for one, cost in self.fits.items() if cost <= most), None)
+    def first(self, *, short: bool) -> str | None:
+        """Return the oldest fit, or the oldest short one."""
+        return next((name for name, fit in self.fits.items() if fit.short or not short), None)
 
 
 class Line:
@@ -40,7 +39,7 @@ class Line:
     def join(self, fit: Fit) -> None:
         """Put a fit at the end of its client's line."""
         client = self._clients.setdefault(fit.client, _Client(self._now))
-        client.fits[fit.id] = fit.cost
+        client.fits[fit.id] = fit
 
     def leave(self, fit: Fit) -> None:
         """Take a fit out, if it is in line."""
@@ -60,13 +59,13 @@ class Line:
         >>> line.take(), line.take(short=True), line.take(), line.take()
         ('a1', 'a2', 'b1', None)
         """
-        most = SHORT if short else float("inf")
-        ready = [(client.used, found, client) for client in self._clients.values() if (found := client.first(most))]
+        every = self._clients.values()
+        ready = [(client.used, found, client) for client in every if (found := client.first(short=short))]
         if not ready:
             return None
         _, found, client = min(ready, key=lambda one: one[0])
-        self._now += client.fits[found] / sum(bool(one.fits) for one in self._clients.values())
-        client.used += client.fits.pop(found)
+        self._now += client.fits[found].cost / sum(bool(one.fits) for one in every)
+        client.used += client.fits.pop(found).cost
         self._forget_idle()
         return found
 

@@ -24,6 +24,7 @@ class LocalQueue:
         self._live: dict[str, Fit] = {}
         self._running: dict[str, asyncio.Task[None]] = {}
         self._ended: dict[str, asyncio.Event] = {}
+        self._split: set[str] = set()  # fits that are not in line themselves yet, but their parts
         self._tries: dict[str, int] = {}
         self._seats: list[asyncio.Task[None]] = []
         self._late: asyncio.Task[None] | None = None
@@ -37,15 +38,24 @@ class LocalQueue:
         return self._draining
 
     def submit(self, fit: Fit) -> None:
-        """Put an accepted fit in line, once."""
+        """Put an accepted fit, or a part of one, in line, once."""
         if fit.id in self._live:
             return
-        self._live[fit.id], self._ended[fit.id] = fit, asyncio.Event()
+        if fit.whole is not None:
+            self._split.add(fit.whole)
+        self._live[fit.id] = fit
+        self._ended.setdefault(fit.whole or fit.id, asyncio.Event())  # of a fit in parts, from the first part on
         self._line.join(fit)
         self._news.set()
 
     def cancel(self, fit_id: str) -> None:
-        """Kill the worker that runs the fit, or take it out of the line."""
+        """Kill the workers that run the fit and its parts, or take them out of the line."""
+        for one in [fit_id, *(part.id for part in self._live.values() if part.whole == fit_id)]:
+            self._cancel(one)
+        if fit_id in self._split:
+            self._forget(fit_id)
+
+    def _cancel(self, fit_id: str) -> None:
         if fit_id in self._running:
             self._running[fit_id].cancel()
         elif fit_id in self._live:
@@ -140,10 +150,24 @@ class LocalQueue:
 
     async def _over(self, fit_id: str) -> bool:
         """Return whether a fit has ended: one that was given up for any other reason must not be forgotten."""
+        part = self._live.get(fit_id)
         with suppress(Exception):
             fit = await asyncio.to_thread(self._store.get, fit_id)
-            return fit is None or fit.status.final
+            if fit is not None and not fit.status.final:
+                return False
+            if part is not None and part.whole is not None:
+                await self._go_on(part.whole)
+            return True
         return False
+
+    async def _go_on(self, whole: str) -> None:
+        """After the end of a part, put its fit in line if it was the last one, or end the others if the fit failed."""
+        fit = await asyncio.to_thread(self._store.get, whole)
+        if fit is None or fit.status.final:
+            self.cancel(whole)
+        elif fit.unsummed == 0 and whole in self._split:  # two parts may have ended together
+            self._split.discard(whole)
+            self.submit(fit)
 
     def _put_back(self, fit_id: str, error: BaseException | None) -> None:
         """Put a fit in line again, after a while: what went wrong may take its time to pass."""
@@ -169,6 +193,7 @@ class LocalQueue:
     def _forget(self, fit_id: str) -> None:
         self._live.pop(fit_id, None)
         self._tries.pop(fit_id, None)
+        self._split.discard(fit_id)
         ended = self._ended.pop(fit_id, None)
         if ended is not None:
             ended.set()

@@ -8,8 +8,6 @@ from procrastinate import App, SyncPsycopgConnector
 from procrastinate.schema import SchemaManager
 from sqlalchemy import Connection, text
 
-from service.jobs.cost import SHORT
-
 TASK = "fit"
 SHORT_QUEUE, LONG_QUEUE = "short", "long"
 # Seconds within which a job comes that is to be tried again. If it is set for later, and its fit is not held, the clock
@@ -26,9 +24,9 @@ class PostgresLine:
         """Need no connection of its own."""
         self._app = App(connector=SyncPsycopgConnector())
 
-    def join(self, connection: Connection, fit_id: str, cost: float) -> int:
-        """Put a fit in line and return its job there."""
-        queue = SHORT_QUEUE if cost <= SHORT else LONG_QUEUE
+    def join(self, connection: Connection, fit_id: str, *, short: bool) -> int:
+        """Put a fit in line, or in that of the short, and return its job there."""
+        queue = SHORT_QUEUE if short else LONG_QUEUE
         deferrer = self._app.configure_task(TASK, queue=queue, connection=_raw(connection))
         return deferrer.defer(fit_id=fit_id)
 

@@ -4,6 +4,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from service.jobs.errors import DeadlineExceededError, NotReadyError, OutOfMemoryError, WorkerCrashedError
@@ -15,7 +16,7 @@ logger = logging.getLogger(__name__)
 # Seconds between tries when the store fails: an hour in all.
 PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
 # A fit whose points cannot be read is put back in line so often, each time for longer: for an hour in all, too.
-MAX_AWAY = 90
+MAX_AWAY = 91
 # Seconds that giving a fit back may take when this process is about to end; the lease gives it back anyway.
 PARTING = 2.0
 # Seconds between two looks of the keeper of a lease, which also passes progress on.
@@ -33,6 +34,26 @@ def pause(tries: int) -> float:
     return min(float(tries), 60.0)
 
 
+@dataclass(frozen=True)
+class Tasks:
+    """What workers are given to do. Each takes the blobs, the input's key, the dimension and the options.
+
+    Attributes
+    ----------
+    fit
+        A fit as a whole.
+    part
+        The moments of some of the points; takes their `Slice`, too.
+    rest
+        What is left of a fit whose parts have ended; takes what they resulted in.
+
+    """
+
+    fit: Callable[..., bytes]
+    part: Callable[..., bytes]
+    rest: Callable[..., bytes]
+
+
 class Runner:
     """Runs fits that the store gives it on a lease, which it renews from here: a process inside LAPACK could not."""
 
@@ -41,14 +62,14 @@ class Runner:
         store: FitStore,
         blobs: BlobStore,
         workers: Workers,
-        task: Callable[..., bytes],
+        tasks: Tasks,
         *,
         holder: Holder,
         deadline: float,
         publish: bool = False,
     ) -> None:
-        """Run each fit at most `deadline` seconds, by calling `task` in a worker; `publish` progress in the store."""
-        self._store, self._blobs, self._workers, self._task = store, blobs, workers, task
+        """Run each fit, or part of one, at most `deadline` seconds in a worker; `publish` progress in the store."""
+        self._store, self._blobs, self._workers, self._tasks = store, blobs, workers, tasks
         self._holder, self._deadline, self._publish = holder, deadline, publish
         self._steps: dict[str, list[dict[str, Any]]] = {}
 
@@ -144,15 +165,15 @@ class Runner:
                 return
 
     async def _in_worker(self, fit: Fit, steps: list[dict[str, Any]]) -> bytes:
-        result: bytes = await self._workers.run(
-            self._task,
-            self._blobs,
-            fit.input.key,
-            fit.input.dimension,
-            fit.options,
-            deadline=self._deadline,
-            progress=steps.append,
-        )
+        asked: list[Any] = [self._blobs, fit.input.key, fit.input.dimension, fit.options]
+        task = self._tasks.fit
+        if fit.slice is not None:
+            task = self._tasks.part
+            asked.append(fit.slice)
+        elif fit.parts:
+            task = self._tasks.rest
+            asked.append(await self._insist(self._store.sums, fit.id))
+        result: bytes = await self._workers.run(task, *asked, deadline=self._deadline, progress=steps.append)
         return result
 
     async def _give_back(self, fit_id: str, attempt: int) -> None:

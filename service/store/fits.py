@@ -1,18 +1,17 @@
 """Fits in a SQL database, through SQLAlchemy Core."""
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from datetime import timedelta
-from threading import Lock
 from typing import Any
 
 import orjson
-from sqlalchemy import Connection, Engine, func, select, text, update
+from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import IntegrityError
 
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import Failure, Fit, FitStatus, Holder
 from service.store import moves, rows
+from service.store.inputs import Inputs
 from service.store.moves import FREE, Line
 from service.store.tables import fits
 
@@ -25,28 +24,28 @@ class SqlFits:
     def __init__(self, engine: Engine, limit: int, line: Line | None = None) -> None:
         """Use an engine whose tables exist; let at most `limit` fits wait; tell `line` of what comes and goes."""
         self._engine, self._limit, self._line = engine, limit, line
-        self._alone = Lock()
+        self._inputs = Inputs(engine)
 
-    def add(self, fit: Fit, keep: Callable[[], object]) -> Fit:
-        """Store a new fit and its input, unless it was stored before."""
+    def add(self, fit: Fit, keep: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
+        """Store a new fit with its parts and its input, unless it was stored before."""
         try:
-            return self._add(fit, keep)
+            return self._add(fit, keep, parts)
         except IntegrityError:
             if fit.key is None:
                 raise
-            return self._add(fit, keep)  # whoever came first with this key has committed by now, and is found
+            return self._add(fit, keep, parts)  # whoever came first with this key has committed by now, and is found
 
-    def _add(self, fit: Fit, keep: Callable[[], object]) -> Fit:
-        with self._holding(fit.input.key) as connection:
+    def _add(self, fit: Fit, keep: Callable[[], object], parts: Sequence[Fit]) -> Fit:
+        with self._inputs.held(fit.input.key) as connection:
             earlier = self._earlier(connection, fit)
             if earlier is not None:
                 return earlier
             self._check_room(connection)
             keep()
-            connection.execute(fits.insert().values(rows.from_fit(fit)))
+            connection.execute(fits.insert(), [rows.from_fit(one) for one in (fit, *parts)])
             if self._line is not None:
-                job = self._line.join(connection, fit.id, fit.cost)
-                connection.execute(update(fits).where(fits.c.id == fit.id).values(job=job))
+                for one in parts or [fit]:
+                    moves.join(connection, self._line, one)
         return fit
 
     def get(self, fit_id: str) -> Fit | None:
@@ -58,8 +57,11 @@ class SqlFits:
     def start(self, fit_id: str, holder: Holder) -> int | None:
         """Move to running, on a lease, and return the attempt, from 1; None if the fit does not wait."""
         with self._engine.begin() as connection:
+            moves.hold_whole(connection, fit_id)
             now = moves.clock(connection)
             moves.take_back(connection, self._line, fits.c.id == fit_id, fits.c.lease < now)
+            if connection.execute(select(fits.c.unsummed).where(fits.c.id == fit_id)).scalar():
+                return None
             values = {
                 "started": now,
                 "holder": holder.name,
@@ -69,7 +71,10 @@ class SqlFits:
             }
             if not moves.move(connection, self._line, fit_id, FitStatus.RUNNING, values):
                 return None
-            return int(connection.execute(select(fits.c.attempt).where(fits.c.id == fit_id)).scalar_one())
+            fit = rows.to_fit(connection.execute(select(fits).where(fits.c.id == fit_id)).one())
+            if fit.whole is not None:
+                moves.move(connection, self._line, fit.whole, FitStatus.RUNNING, {"started": now})
+            return fit.attempt
 
     def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
         """Prolong the lease, if this attempt still holds the fit."""
@@ -102,11 +107,18 @@ class SqlFits:
         reason = None if failure is None else orjson.dumps(failure)
         size = fits.c.size + len(result or b"")
         with self._engine.begin() as connection:
+            moves.hold_whole(connection, fit_id)
             values = {"result": result, "failure": reason, "size": size, "finished": moves.clock(connection)}
             return moves.move(connection, self._line, fit_id, status, values | FREE, attempt)
 
+    def sums(self, fit_id: str) -> list[bytes]:
+        """Return what the parts of a fit resulted in, in their order."""
+        query = select(fits.c.result).where(fits.c.whole == fit_id, fits.c.status == FitStatus.SUCCESSFUL)
+        with self._engine.connect() as connection:
+            return list(connection.execute(query.order_by(fits.c.id)).scalars())
+
     def dismiss(self, fit_id: str) -> bool:
-        """Move to dismissed, if the fit is live."""
+        """Move to dismissed, if the fit is live; its parts go."""
         with self._engine.begin() as connection:
             values = {"finished": moves.clock(connection), **FREE}
             moved = moves.move(connection, self._line, fit_id, FitStatus.DISMISSED, values)
@@ -117,7 +129,7 @@ class SqlFits:
 
     def remove(self, fit_id: str, drop: Callable[[str], object]) -> bool:
         """Forget a fit that has ended, and drop its input if no other fit has the same."""
-        ended = (fits.c.id == fit_id) & fits.c.status.in_(ENDED)
+        ended = (fits.c.id == fit_id) & fits.c.status.in_(ENDED) & fits.c.whole.is_(None)
         with self._engine.begin() as connection:
             key = connection.execute(select(fits.c.input).where(ended)).scalar()
             connection.execute(fits.delete().where(ended))
@@ -128,7 +140,7 @@ class SqlFits:
 
     def discard(self, key: str, drop: Callable[[str], object]) -> bool:
         """Drop an input, if no fit has it and none can be coming with it."""
-        with self._holding(key, alone=True) as connection:
+        with self._inputs.held(key, alone=True) as connection:
             used = connection.execute(select(fits.c.id).where(fits.c.input == key).limit(1)).first() is not None
             if not used:
                 drop(key)
@@ -141,13 +153,13 @@ class SqlFits:
         return [key for key in keys if key not in used]
 
     def waiting(self) -> list[Fit]:
-        """Return the accepted fits, oldest first."""
-        query = select(fits).where(fits.c.status == FitStatus.ACCEPTED).order_by(fits.c.created, fits.c.id)
+        """Return the accepted fits and parts that are in line, oldest first."""
+        query = select(fits).where(*rows.in_line()).order_by(fits.c.created, fits.c.id)
         with self._engine.connect() as connection:
             return [rows.to_fit(row) for row in connection.execute(query)]
 
     def count_waiting(self) -> int:
-        """Return how many fits are accepted."""
+        """Return how many fits are in line."""
         with self._engine.connect() as connection:
             return rows.backlog(connection)[0]
 
@@ -169,8 +181,8 @@ class SqlFits:
     def outdated(self, age: float, size: int) -> list[str]:
         """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
         newest_first = func.sum(fits.c.size).over(order_by=(fits.c.finished.desc(), fits.c.id))
-        ended = select(fits.c.id, fits.c.finished, newest_first.label("total")).where(fits.c.status.in_(ENDED))
-        each = ended.subquery()
+        ended = select(fits.c.id, fits.c.finished, newest_first.label("total"))
+        each = ended.where(fits.c.status.in_(ENDED), fits.c.whole.is_(None)).subquery()  # parts go with their fits
         with self._engine.connect() as connection:
             before = moves.clock(connection) - timedelta(seconds=age)  # of the clock that wrote down when they ended
             too_much = (each.c.finished < before) | (each.c.total > size)
@@ -189,15 +201,3 @@ class SqlFits:
         count, cost = rows.backlog(connection)
         if count >= self._limit:
             raise QueueFullError(f"{count} fits wait already, as many as may", retry_after=cost / count)
-
-    @contextmanager
-    def _holding(self, key: str, *, alone: bool = False) -> Iterator[Connection]:
-        """Yield a transaction in which an input is not removed; or, `alone`, in which no fit with it is added."""
-        if self._engine.dialect.name == "sqlite":  # a single process has it
-            with self._alone, self._engine.begin() as connection:
-                yield connection
-            return
-        lock = "pg_advisory_xact_lock" if alone else "pg_advisory_xact_lock_shared"
-        with self._engine.begin() as connection:
-            connection.execute(text(f"SELECT {lock}(:key)"), {"key": int(key[:15], 16)})
-            yield connection

@@ -99,13 +99,28 @@ fits = Table(
     Column("progress", LargeBinary),
     Column("result", LargeBinary),
     Column("failure", LargeBinary),
+    # A part of a fit is a row like any other: what holds for fits, from leases to crashes, so holds for parts. Its
+    # result is in the row, too, and not in a blob: it is some hundreds of kilobytes, it counts in the transaction that
+    # ends the attempt, and it goes in the one that ends the fit, so that nothing can be left of it, on an S3 either.
+    Column("parts", Integer, nullable=False, default=0),
+    Column("unsummed", Integer, nullable=False, default=0),
+    Column("whole", String, index=True),
+    Column("slice", String),
 )
-# Whoever changes the table above adds a step that changes an older one in the same way, named after the release.
+# Whoever changes the table above adds a step that changes an older one in the same way, named after the release. Each
+# is one statement: SQLite takes no more at once.
 FITS = Part(
     name="fits",
     table="fits",
     make=metadata.create_all,
-    steps={"0.1.0": ""},
+    steps={
+        "0.1.0": "",
+        "0.2.0 parts": "ALTER TABLE fits ADD COLUMN parts INTEGER NOT NULL DEFAULT 0",
+        "0.2.0 unsummed": "ALTER TABLE fits ADD COLUMN unsummed INTEGER NOT NULL DEFAULT 0",
+        "0.2.0 whole": "ALTER TABLE fits ADD COLUMN whole VARCHAR",
+        "0.2.0 whole, found": "CREATE INDEX ix_fits_whole ON fits (whole)",
+        "0.2.0 slice": "ALTER TABLE fits ADD COLUMN slice VARCHAR",
+    },
     columns=frozenset(fits.columns.keys()),
 )
 

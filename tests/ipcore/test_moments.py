@@ -55,6 +55,35 @@ def test_with_the_points_nothing_is_left_out() -> None:
         summed.fit(options, points=points[1:], normals=normals[1:])
 
 
+def test_parts_of_a_set_need_not_be_sets_that_can_be_fitted() -> None:
+    square = np.array([[x, y] for x in (0.0, 1.0) for y in np.linspace(0.0, 1.0, 20)])
+    normals = np.repeat([[-1.0, 0.0], [1.0, 0.0]], 20, axis=0)
+    frame = ipcore.Frame.of(square)
+    left, right = (Moments.of(square[s], normals[s], degree=2, frame=frame) for s in (slice(20), slice(20, None)))
+    whole = Moments.of(square, normals, degree=2)
+    np.testing.assert_allclose(
+        (left + right).layers.sums, whole.layers.sums, atol=1e-13 * np.abs(whole.layers.sums).max()
+    )
+
+
+def test_with_the_points_neither_a_sample_nor_the_highest_degrees_are_needed() -> None:
+    points, normals = rough()
+    options = FitOptions.of(geometric=False, criterion="none", max_degree=8, measure_zero_set=False)
+    some = Moments.of(points, normals, degree=5)
+    bare = some.without_sample()
+    large, small = BytesIO(), BytesIO()
+    some.save(large)
+    bare.save(small)
+    assert small.tell() < large.tell() / 5
+    small.seek(0)
+    fit, whole = Moments.load(small).fit(options, points=points, normals=normals), ipcore.fit(points, normals, options)
+    assert (fit.degree, fit.diagnostics.stray) == (8, whole.diagnostics.stray)
+    for one, other in zip(fit.steps, whole.steps, strict=True):
+        assert one.d_dist == pytest.approx(other.d_dist, rel=1e-9)
+    with pytest.raises(InvalidPointsError, match="no sample"):
+        bare.fit(FitOptions.of(geometric=False, max_degree=5))
+
+
 def test_nothing_is_added_by_no_points() -> None:
     points, normals = rough(500)
     some = Moments.of(points, normals, degree=3)

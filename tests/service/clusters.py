@@ -19,7 +19,7 @@ class Cluster:
             "LEASE": 3,
             **settings,
         }
-        self._folder = folder
+        self._folder, self.database = folder, str(self._settings["DATABASE_URL"])
         self.servers: list[Server] = []
         self.workers: list[Worker] = []
 
@@ -34,7 +34,7 @@ class Cluster:
     def holders(self) -> set[str]:
         """Return who runs fits at the moment."""
         with psycopg.connect(str(self._settings["DATABASE_URL"])) as connection:
-            return {row[0] for row in connection.execute("SELECT holder FROM fits WHERE status = 'running'")}
+            return {row[0] for row in connection.execute("SELECT holder FROM fits WHERE holder IS NOT NULL")}
 
     def count(self) -> int:
         """Return how many fits are stored."""

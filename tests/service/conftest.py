@@ -5,9 +5,14 @@ from pathlib import Path
 
 import httpx
 import pytest
+from sqlalchemy import Engine, text
 
+from service.queue.postgres import PostgresLine
+from service.store.fits import SqlFits
+from service.store.tables import postgres_engine, sqlite_engine
 from tests.service.postgres import Postgres
 from tests.service.running import Server
+from tests.service.stores import LIMIT, QUEUE
 
 Start = Callable[..., Server]
 
@@ -24,6 +29,28 @@ def postgres() -> Iterator[Postgres]:
     server = Postgres()
     yield server
     server.remove()
+
+
+@pytest.fixture(scope="session")
+def database(postgres: Postgres) -> Iterator[Engine]:
+    """Return an engine on a PostgreSQL with all tables."""
+    engine = postgres_engine(postgres.database(), QUEUE)
+    yield engine
+    engine.dispose()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
+    """Return an empty store, on each engine."""
+    if request.param == "postgresql":
+        engine: Engine = request.getfixturevalue("database")
+        with engine.begin() as connection:
+            connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
+        yield SqlFits(engine, LIMIT, PostgresLine())
+        return
+    engine = sqlite_engine(tmp_path / "fits.sqlite")
+    yield SqlFits(engine, LIMIT)
+    engine.dispose()
 
 
 @pytest.fixture

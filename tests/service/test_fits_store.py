@@ -2,56 +2,21 @@
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from pathlib import Path
-from typing import Any
 
 import pytest
 from procrastinate.exceptions import ConnectorException
 from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
-from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, Fit, FitStatus, Holder, PointSetRef
-from service.queue.postgres import PostgresLine, make, steps
+from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, FitStatus, Holder
+from service.queue.postgres import PostgresLine
 from service.store.fits import SqlFits
-from service.store.tables import postgres_engine, sqlite_engine
-from service.store.versions import Part
-from tests.service.postgres import Postgres
-
-LIMIT = 40
-QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
-ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
-NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
-
-
-@pytest.fixture(scope="session")
-def database(postgres: Postgres) -> Iterator[Engine]:
-    engine = postgres_engine(postgres.database(), QUEUE)
-    yield engine
-    engine.dispose()
-
-
-@pytest.fixture(params=["sqlite", "postgresql"])
-def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
-    if request.param == "postgresql":
-        engine: Engine = request.getfixturevalue("database")
-        with engine.begin() as connection:
-            connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-        yield SqlFits(engine, LIMIT, PostgresLine())
-        return
-    engine = sqlite_engine(tmp_path / "fits.sqlite")
-    yield SqlFits(engine, LIMIT)
-    engine.dispose()
-
-
-def fit(fit_id: str = "one", blob: str = "b10b", created: datetime = NOW, **more: Any) -> Fit:  # noqa: ANN401 - any
-    return Fit(fit_id, FitStatus.ACCEPTED, PointSetRef(blob, 3, 100, 1000), {"t1": 0.02}, created, **more)
-
-
-def add(store: SqlFits, new: Fit) -> Fit:
-    return store.add(new, list)
+from service.store.tables import sqlite_engine
+from tests.service.stores import LIMIT, ME, NOW, OTHER, add, fit, jobs
 
 
 def bring(store: SqlFits, status: FitStatus) -> None:
@@ -331,11 +296,6 @@ def test_commits_are_flushed_to_disk(tmp_path: Path) -> None:
         assert connection.execute(text("PRAGMA journal_mode")).scalar() == "wal"
         assert connection.execute(text("PRAGMA synchronous")).scalar() == 2  # FULL
     engine.dispose()
-
-
-def jobs(engine: Engine) -> list[str]:
-    with engine.connect() as connection:
-        return list(connection.execute(text("SELECT status FROM procrastinate_jobs ORDER BY id")).scalars())
 
 
 @pytest.fixture

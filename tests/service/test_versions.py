@@ -6,17 +6,19 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from sqlalchemy import Connection, Engine, create_engine, inspect, text
+from sqlalchemy import Column, Connection, Engine, MetaData, Table, create_engine, inspect, text
 
+from service.jobs.fit import FitStatus
 from service.queue.postgres import make, steps
 from service.store.tables import FITS
+from service.store.tables import fits as table
 from service.store.versions import DatabaseVersionError, Part, prepare
 from tests.service.bodies import ellipse, npy
 from tests.service.postgres import Postgres
 from tests.service.running import Program, Server, until
 
 NEWER = dataclasses.replace(
-    FITS, steps=FITS.steps | {"0.2.0": "ALTER TABLE fits ADD COLUMN note VARCHAR DEFAULT '100 %'", "0.3.0": "SELECT 1"}
+    FITS, steps=FITS.steps | {"0.2.9": "ALTER TABLE fits ADD COLUMN note VARCHAR DEFAULT '100 %'", "0.3.0": "SELECT 1"}
 )
 QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
 Make = Callable[[], Engine]
@@ -33,6 +35,9 @@ def engine(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Engine]:
     made.dispose()
 
 
+NEWEST = list(FITS.steps)[-1]
+
+
 def columns(engine: Engine) -> set[str]:
     return {column["name"] for column in inspect(engine).get_columns("fits")}
 
@@ -46,7 +51,7 @@ def test_a_new_database_is_made_once_though_many_begin_together(engine: Engine) 
     with ThreadPoolExecutor(6) as threads:
         list(threads.map(lambda _: prepare(engine, [FITS]), range(12)))
     assert columns(engine) == FITS.columns
-    assert version(engine) == "0.1.0"
+    assert version(engine) == NEWEST
 
 
 def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine: Engine) -> None:
@@ -55,8 +60,8 @@ def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine:
         connection.execute(
             text(
                 "INSERT INTO fits (id, status, input, dimension, points, options, client, cost, payload, created,"
-                " touched, attempt, crashes, abandoned, size) VALUES ('one', 'accepted', '', 2, 9, '', '', 1, '',"
-                " '2026-01-01', '2026-01-01', 0, 0, 0, 0)"
+                " touched, attempt, crashes, abandoned, size, parts, unsummed) VALUES ('one', 'accepted', '', 2, 9,"
+                " '', '', 1, '', '2026-01-01', '2026-01-01', 0, 0, 0, 0, 0, 0)"
             )
         )
     for _ in range(2):
@@ -68,13 +73,26 @@ def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine:
         prepare(engine, [FITS])
 
 
+def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine) -> None:
+    new = {"parts", "unsummed", "whole", "slice"}
+    old = Table("fits", MetaData(), *(Column(c.name, c.type) for c in table.columns if c.name not in new))
+    prepare(engine, [dataclasses.replace(FITS, make=old.create, steps={"0.1.0": ""}, columns=frozenset())])
+    with engine.begin() as connection:
+        connection.execute(old.insert().values(id="one", status=FitStatus.ACCEPTED))
+    prepare(engine, [FITS])
+    assert columns(engine) == FITS.columns
+    assert "ix_fits_whole" in {index["name"] for index in inspect(engine).get_indexes("fits")}
+    with engine.connect() as connection:
+        assert connection.execute(text("SELECT parts, unsummed, whole, slice FROM fits")).all() == [(0, 0, None, None)]
+
+
 def test_a_step_that_fails_leaves_the_database_as_it_was(engine: Engine) -> None:
     prepare(engine, [FITS])
     broken = dataclasses.replace(NEWER, steps=NEWER.steps | {"0.3.0": "ALTER TABLE elsewhere ADD COLUMN note VARCHAR"})
     with pytest.raises(Exception, match="elsewhere"):
         prepare(engine, [broken])
     assert columns(engine) == FITS.columns
-    assert version(engine) == "0.1.0"
+    assert version(engine) == NEWEST
 
 
 def test_a_database_from_before_versions_is_taken_if_it_has_all_that_it_needs(engine: Engine) -> None:
@@ -82,7 +100,7 @@ def test_a_database_from_before_versions_is_taken_if_it_has_all_that_it_needs(en
     with engine.begin() as connection:
         connection.execute(text("DROP TABLE ipfit_versions"))
     prepare(engine, [FITS])
-    assert version(engine) == "0.1.0"
+    assert version(engine) == NEWEST
     with engine.begin() as connection:
         connection.execute(text("DROP TABLE ipfit_versions"))
         connection.execute(text("ALTER TABLE fits DROP COLUMN abandoned"))

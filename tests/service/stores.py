@@ -1,0 +1,29 @@
+"""Fits to store, and what the queue in the same database has of them."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import Engine, text
+
+from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
+from service.queue.postgres import make, steps
+from service.store.fits import SqlFits
+from service.store.versions import Part
+
+LIMIT = 40
+QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
+ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
+NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
+
+
+def fit(fit_id: str = "one", blob: str = "b10b", created: datetime = NOW, **more: Any) -> Fit:  # noqa: ANN401 - any
+    return Fit(fit_id, FitStatus.ACCEPTED, PointSetRef(blob, 3, 100, 1000), {"t1": 0.02}, created, **more)
+
+
+def add(store: SqlFits, new: Fit) -> Fit:
+    return store.add(new, list)
+
+
+def jobs(engine: Engine) -> list[str]:
+    with engine.connect() as connection:
+        return list(connection.execute(text("SELECT status FROM procrastinate_jobs ORDER BY id")).scalars())
