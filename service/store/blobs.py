@@ -52,7 +52,7 @@ class Blobs:
     def get(self, key: str, start: int | None = None, end: int | None = None) -> bytes:
         """Return the bytes stored under a key, or those from `start` to before `end`."""
         fs, path = self._at(key)
-        return bytes(fs.cat_file(path, start, end, **self._limits(fs)))
+        return bytes(fs.cat_file(path, start=start, end=end, **self._limits(fs)))
 
     def delete(self, key: str) -> None:
         """Remove the bytes under a key, if they are there."""

@@ -24,6 +24,7 @@ def test_what_was_put_is_there_under_its_hash(tmp_path: Path) -> None:
         key = blobs.put(content)
         assert key == hashlib.sha256(content).hexdigest()
         assert blobs.get(key) == content
+        assert blobs.get(key, 2, 5) == content[2:5]
 
 
 def test_the_same_content_is_kept_once(tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ def test_what_was_put_is_there_until_it_is_deleted(url: str) -> None:
     keys = [blobs.put(content) for content in contents]
     assert [blobs.put(content) for content in contents] == keys
     assert [blobs.get(key) for key in keys] == contents
+    assert [blobs.get(key, 2, 5) for key in keys[1:]] == [content[2:5] for content in contents[1:]]
     assert sorted(blobs.keys()) == sorted(keys)
     for _ in range(2):
         blobs.delete(keys[0])

@@ -221,7 +221,7 @@ def test_a_full_queue_is_503_and_says_when_to_come_again(start: Callable[..., Se
 
 def test_a_fit_over_its_memory_fails_and_the_server_goes_on(start: Callable[..., Server]) -> None:
     server = start(WORKERS=1, WORKER_MEMORY=2**29, MAX_POINTS=200_000)
-    fit = server.fit(npy(torus(100_000)), "t1=0&max_degree=12&geometric=false")
+    fit = server.fit(npy(torus(100_000)), "t1=0&max_degree=12&factor=block")  # which holds its system
     assert (fit["status"], fit["problem"]["type"]) == ("failed", "urn:ipfit:problem:out-of-memory"), fit
     assert server.fit(npy(ellipse()))["status"] == "successful"
     server.stop()

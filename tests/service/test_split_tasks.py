@@ -1,0 +1,73 @@
+"""The tasks of a fit in parts: together they are the task of the whole, also above the degree that the parts sum to."""
+
+from datetime import UTC, datetime
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import orjson
+import pytest
+
+import ipcore
+from ipcore import shapes
+from service.formats import point_sets
+from service.jobs.errors import NotReadyError
+from service.jobs.fit import Fit, FitStatus, PointSetRef
+from service.jobs.slices import Frame, Slice
+from service.jobs.split import split
+from service.store.blobs import Blobs
+from service.workers import tasks
+from tests.service.bodies import Array, npy
+
+LINEAR: dict[str, Any] = {"geometric": False, "t1": 0.0, "measure_zero_set": False}
+
+
+def noisy(shape: shapes.Shape, count: int) -> Array:
+    points, normals = shape.sample(count)
+    moved = points + np.random.default_rng(0).normal(scale=0.02, size=points.shape)
+    return np.hstack([37.0 * moved + 1000.0, normals])
+
+
+@pytest.mark.parametrize(
+    ("dimension", "options", "summed"),
+    [
+        (2, {"max_degree": 9}, 9),
+        (2, {"max_degree": 18}, 16),  # above it, squaring the condition shows, and the rows are factored
+        (2, {"max_degree": 18, "criterion": "none"}, 18),
+        (3, {"max_degree": 7, "constraints": "5l", "criterion": "bic"}, 7),
+        (3, {"max_degree": 14}, 13),
+    ],
+)
+def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dict[str, Any], summed: int) -> None:
+    table = noisy(shapes.ellipse() if dimension == 2 else shapes.torus(), 2500)
+    read, blobs, asked = point_sets.read(npy(table), "npy", 2500), Blobs(str(tmp_path)), LINEAR | options
+    assert read.frame is not None
+    key = blobs.put(read.content)
+    fit = Fit("one", FitStatus.ACCEPTED, PointSetRef(key, dimension, 2500), asked, datetime.now(UTC))
+    parts = [one.slice for one in split(fit, read.frame, 700)[1]]
+    sums = [tasks.part(blobs, key, dimension, asked, some) for some in parts if some is not None]
+    assert [ipcore.Moments.load(BytesIO(one)).degree for one in sums] == [summed] * 4
+    rest = orjson.loads(tasks.rest(blobs, key, dimension, asked, sums))
+    whole = orjson.loads(tasks.fit(blobs, key, dimension, asked))
+    assert rest["polynomial"]["frame"] == whole["polynomial"]["frame"]
+    assert [step["degree"] for step in rest["steps"]] == [step["degree"] for step in whole["steps"]]
+    for one, other in zip(rest["steps"], whole["steps"], strict=True):
+        assert one["d_dist"] == pytest.approx(other["d_dist"], rel=1e-8, abs=1e-9)  # `ipcore.compressed`'s own rounding
+    f, g = (ipcore.ImplicitPolynomial.from_dict(one["polynomial"]) for one in (rest, whole))
+    np.testing.assert_allclose(f(table[:, :dimension]), g(table[:, :dimension]), atol=1e-8)
+
+
+def test_a_part_that_is_missing_or_comes_twice_is_noticed(tmp_path: Path) -> None:
+    blobs, read = Blobs(str(tmp_path)), point_sets.read(npy(noisy(shapes.torus(), 900)), "npy", 900)
+    assert read.frame is not None
+    key = blobs.put(read.content)
+    sums = [tasks.part(blobs, key, 3, LINEAR, Slice(i, i + 300, read.frame)) for i in (0, 300, 600)]
+    for wrong in (sums[:2], [*sums, sums[0]]):
+        with pytest.raises(ipcore.InvalidPointsError, match="these are moments of"):
+            tasks.rest(blobs, key, 3, LINEAR, wrong)
+
+
+def test_points_that_are_away_are_no_fault_of_the_part(tmp_path: Path) -> None:
+    with pytest.raises(NotReadyError, match="cannot be read"):
+        tasks.part(Blobs(str(tmp_path)), "0" * 64, 3, LINEAR, Slice(0, 9, Frame((0.0, 0.0, 0.0), 1.0)))
