@@ -105,6 +105,8 @@ class Step:
 class Diagnostics:
     """What is known of the returned polynomial. Distances are in mean radii.
 
+    D_dist, D_smooth and the maximum are over all points; of more than 50,000, a sample of so many stands for the rest.
+
     Attributes
     ----------
     d_dist, d_smooth

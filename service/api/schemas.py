@@ -110,7 +110,9 @@ class Diagnostics(BaseModel):
 
     d_dist: float = Field(description="Mean of |f|/‖∇f‖ at the points.")
     d_smooth: float = Field(description="Mean of n·∇f/‖∇f‖ at the points.")
-    distance_p95: float = Field(description="95th percentile of |f|/‖∇f‖ at the points.")
+    distance_p95: float = Field(
+        description="95th percentile of |f|/‖∇f‖ at the points; of many, at a sample of 50,000."
+    )
     distance_max: float = Field(description="Maximum of |f|/‖∇f‖ at the points.")
     stray: float | None = Field(
         description="Share of the zero set's length or area, within the bounds, that lies away from all points; null "
