@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +78,7 @@ def lstsq(cloud: Cloud) -> ipcore.ImplicitPolynomial:
 def sklearn_ridge(cloud: Cloud) -> ipcore.ImplicitPolynomial:
     """Make features and solve at every degree, by scikit-learn."""
     from sklearn.linear_model import Ridge  # noqa: PLC0415 - only this contender's process is to load it
-    from sklearn.preprocessing import PolynomialFeatures  # noqa: PLC0415
+    from sklearn.preprocessing import PolynomialFeatures  # noqa: PLC0415 - as above
 
     rows = Rows.of(cloud)
     warnings.simplefilter("ignore", LinAlgWarning)  # it solves ill-conditioned systems, and says so every time
@@ -144,7 +145,7 @@ def targets(scores: Scores) -> list[Target]:
     lines = []
     for other, asked in FASTER.items():
         taken = seconds_of(scores, other)
-        note = f" ({taken / bare:.1f} when the zero set is not measured)" if bare == bare else ""  # noqa: PLR0124 - a NaN
+        note = f" ({taken / bare:.1f} when the zero set is not measured)" if isfinite(bare) else ""
         lines.append(at_least(f"times faster than {other}", taken / auto, asked, note=note))
     return lines
 

@@ -93,7 +93,7 @@ def closeness(surface: Surface, cloud: Cloud) -> dict[str, float]:
     corners = vertices[faces]
     middles = corners.mean(axis=1)
     near = np.asarray(cKDTree(middles).query(cloud.points, k=CANDIDATES)[1])
-    on = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
+    on = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call] # trimesh leaves it unannotated
         corners[near.ravel()], np.repeat(cloud.points, CANDIDATES, axis=0)
     )
     away = np.linalg.norm(on.reshape(-1, CANDIDATES, 3) - cloud.points[:, None], axis=2)
