@@ -16,7 +16,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 import ipcore
-from ipcore import monomials
+from ipcore.polynomial import graded
 
 HERE = Path(__file__).resolve().parent.parent
 ROUNDS = 3
@@ -24,10 +24,10 @@ ROUNDS = 3
 
 def bumpy(dimension: int) -> ipcore.ImplicitPolynomial:
     """Return a sphere or circle of degree 12 with random bumps, in Chebyshev products on a cube of ±1.5."""
-    half, powers = 1.5, monomials.exponents(dimension, 12)
+    half, powers = 1.5, graded.exponents(dimension, 12)
     a = 0.3 * np.random.default_rng(0).normal(size=len(powers)) / (1 + powers.sum(axis=1))
     a[0] += dimension * half**2 / 2 - 1.0
-    a[monomials.column(2 * np.eye(dimension, dtype=np.intp))] += half**2 / 2  # (half t)² = half²/2 (T₂(t) + 1)
+    a[graded.column(2 * np.eye(dimension, dtype=np.intp))] += half**2 / 2  # (half t)² = half²/2 (T₂(t) + 1)
     box = np.array([[-half] * dimension, [half] * dimension])
     return ipcore.ImplicitPolynomial(12, a, ipcore.Frame(np.zeros(dimension), 1.0), box, ipcore.Basis.CHEBYSHEV)
 

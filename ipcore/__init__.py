@@ -1,8 +1,5 @@
 """Implicit polynomials f(x) = 0 from 2D and 3D point sets, of the degree that they need."""
 
-from ipcore.adaptive import fit, fit_fixed
-from ipcore.basis import Basis
-from ipcore.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.errors import (
     InvalidNormalsError,
     InvalidOptionsError,
@@ -10,15 +7,18 @@ from ipcore.errors import (
     InvalidPolynomialError,
     IPCoreError,
 )
-from ipcore.frame import Frame
+from ipcore.fitting import fit, fit_fixed
 from ipcore.moments import Moments
-from ipcore.normals import NormalSource, estimate_normals
-from ipcore.options import FitOptions
-from ipcore.points import PointSet
-from ipcore.points import check as check_points
-from ipcore.polynomial import ImplicitPolynomial
-from ipcore.result import Diagnostics, FitResult, Step, StopReason
-from ipcore.zero_set import ZeroSet, zero_set
+from ipcore.options.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
+from ipcore.options.fit_options import FitOptions
+from ipcore.points.normals import NormalSource, estimate_normals
+from ipcore.points.validation import PointSet
+from ipcore.points.validation import check as check_points
+from ipcore.polynomial.frame import Frame
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.polynomial.univariate import Basis
+from ipcore.search.result import Diagnostics, FitResult, Step, StopReason
+from ipcore.zero_set.zero_set import ZeroSet, zero_set
 
 __all__ = [
     "Basis",

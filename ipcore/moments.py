@@ -9,32 +9,31 @@ from typing import IO, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ipcore import parallel
-from ipcore import points as pointset
+from ipcore import _threads
+from ipcore._threads import limited
 from ipcore._typing import FloatArray
-from ipcore.answer import answer
-from ipcore.blas import limited
-from ipcore.choices import Factor
-from ipcore.compressed import CompressedFit
-from ipcore.constraints import families
-from ipcore.digest import sha256
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
-from ipcore.frame import Frame
-from ipcore.judges import judge
-from ipcore.layers import LayerMoments
-from ipcore.options import HIGHEST_DEGREE, FitOptions
-from ipcore.oriented import OrientedPoints
-from ipcore.ranges import integer
-from ipcore.result import FitResult
-from ipcore.rowsource import MomentRows, RowSource, SummedRows
-from ipcore.sample import Sample
-from ipcore.search import DegreeSearch, Progress, stops
-from ipcore.streams import streamed
+from ipcore.linear.constraints import families
+from ipcore.linear.layer_moments import LayerMoments
+from ipcore.linear.q_less import QLessFit
+from ipcore.linear.row_source import MomentRows, RowSource, SummedRows
+from ipcore.options.choices import Factor, integer
+from ipcore.options.fit_options import HIGHEST_DEGREE, FitOptions
+from ipcore.points import validation
+from ipcore.points.digest import sha256
+from ipcore.points.oriented import OrientedPoints
+from ipcore.points.sample import Sample
+from ipcore.points.stream import streamed
+from ipcore.polynomial.frame import Frame
+from ipcore.search.degree_search import DegreeSearch, Progress, stops
+from ipcore.search.report import answer
+from ipcore.search.result import FitResult
+from ipcore.search.stopping import judge
 
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """The moments of a point set's layers (see `ipcore.layers`), with a sample of it.
+    """The moments of a point set's layers (see `ipcore.linear.layer_moments`), with a sample of it.
 
     Attributes
     ----------
@@ -99,8 +98,12 @@ class Moments:
         offsets = families.offsets(options or FitOptions())
         if not offsets:
             raise InvalidOptionsError("moments are for constraints 3l and 5l", ("constraints",))
-        x = pointset.check(points).points if frame is None else pointset.matrix("points", points, InvalidPointsError)
-        pointset.check_shape(x.shape)
+        x = (
+            validation.check(points).points
+            if frame is None
+            else validation.matrix("points", points, InvalidPointsError)
+        )
+        validation.check_shape(x.shape)
         integer("degree", degree, 1, HIGHEST_DEGREE[x.shape[1]])
         empty = LayerMoments.empty(x.shape[1], degree, offsets)
         start = cls(frame or Frame.of(x), empty, np.stack([x.min(axis=0), x.max(axis=0)]), Sample.empty(x.shape[1]))
@@ -135,15 +138,15 @@ class Moments:
             If something is wrong with them.
 
         """
-        x = pointset.matrix("points", points, InvalidPointsError)
+        x = validation.matrix("points", points, InvalidPointsError)
         if x.shape[1] != self.box.shape[1]:
             raise InvalidPointsError(f"points must have {self.box.shape[1]} columns, not {x.shape[1]}", ("points",))
-        n = pointset.unit(normals, x)
+        n = validation.unit(normals, x)
         if not len(x):
             return self
         box = np.stack([x.min(axis=0), x.max(axis=0)])
-        with parallel.using(threads):
-            layers = reduce(add, parallel.ordered(self._layers, ((x[s], n[s]) for s in parallel.slices(len(x)))))
+        with _threads.using(threads):
+            layers = reduce(add, _threads.ordered(self._layers, ((x[s], n[s]) for s in _threads.slices(len(x)))))
         return self + Moments(self.frame, layers, box, Sample.of(x, n))
 
     def without_sample(self) -> Self:
@@ -204,7 +207,7 @@ class Moments:
         self._check(asked)
         top = asked.degree_cap(self.layers.dimension) if points is not None else self._reached(asked)
         data, source, digest = self._alone() if points is None else self._with(points, normals, asked)
-        search = DegreeSearch(data, asked, CompressedFit(data, asked, top, source), judge(asked))
+        search = DegreeSearch(data, asked, QLessFit(data, asked, top, source), judge(asked))
         with limited(1):
             return answer(search, stops(self.layers.dimension, top, asked.granularity), progress, digest)
 
@@ -276,7 +279,7 @@ class Moments:
         self, points: ArrayLike, normals: ArrayLike | None, options: FitOptions
     ) -> tuple[OrientedPoints, RowSource, str]:
         """Return the points, their rows, and their digest."""
-        given = streamed(points, normals) or pointset.check(points, normals)
+        given = streamed(points, normals) or validation.check(points, normals)
         if given.points.shape != (self.count, self.layers.dimension):
             raise InvalidPointsError(
                 f"these are moments of {self.count} points, not of {len(given.points)}", ("points",)

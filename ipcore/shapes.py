@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcore import monomials
 from ipcore._typing import FloatArray
-from ipcore.frame import Frame
-from ipcore.polynomial import ImplicitPolynomial
+from ipcore.polynomial import graded
+from ipcore.polynomial.frame import Frame
+from ipcore.polynomial.implicit import ImplicitPolynomial
 
 Terms = Mapping[tuple[int, ...], float]
 
@@ -64,8 +64,8 @@ def _onto(polynomial: ImplicitPolynomial, x: FloatArray) -> FloatArray:
 
 def _shape(name: str, terms: Terms, half: tuple[float, ...], euler: int, middle: tuple[float, ...] = ()) -> Shape:
     d, degree = len(half), max(sum(powers) for powers in terms)
-    a = np.zeros(monomials.count(d, degree))
-    a[monomials.column(np.array(list(terms)))] = list(terms.values())
+    a = np.zeros(graded.count(d, degree))
+    a[graded.column(np.array(list(terms)))] = list(terms.values())
     centre = np.array(middle or (0.0,) * d)
     bounds = np.stack([centre - half, centre + half])
     return Shape(name, ImplicitPolynomial(degree, a, Frame(np.zeros(d), 1.0), bounds), euler)

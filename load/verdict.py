@@ -13,7 +13,7 @@ import psycopg
 
 from load.clients import FINAL, Caller, Log, Promise
 from load.fleet import Fleet
-from service.jobs.fit import MAX_ABANDONED, MAX_CRASHES, MOVES, FitStatus
+from service.jobs.fit import MAX_ABANDONED, MAX_CRASHES, TRANSITIONS, FitStatus
 
 # The store itself writes down every move, in the transaction that makes it: also that from an end to the same end.
 MOVED = "OLD.status <> NEW.status OR OLD.status IN ('successful', 'failed', 'dismissed')"
@@ -126,7 +126,7 @@ class Verdict:
         """Every move that the store made is legal, and no fit made two that are final."""
         final: Counter[str] = Counter()
         for fit, old, new in self._moves:
-            if FitStatus(new) not in MOVES[FitStatus(old)]:
+            if FitStatus(new) not in TRANSITIONS[FitStatus(old)]:
                 self.wrong.append(f"{fit} went from {old} to {new}")
             final[fit] += new in FINAL
         self.twice += [f"{fit} ended {count} times" for fit, count in final.items() if count > 1]

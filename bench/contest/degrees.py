@@ -24,8 +24,8 @@ from contest.rounds import Scores, how_many, interleaved, seconds_of
 from contest.target import Target, at_least
 from contest.trial import Contender, Trial
 from evidence.table import table
-from ipcore import basis, monomials
-from ipcore.constraints import three_layer
+from ipcore.linear.constraints import three_layer
+from ipcore.polynomial import graded, univariate
 from sets import FloatArray
 
 COUNT = 30_000
@@ -57,8 +57,8 @@ class Rows:
 
     def columns(self) -> FloatArray:
         """Return all monomials of degree ≤ TOP at the positions, (rows, m), column by column."""
-        tables = [basis.table(basis.Basis.MONOMIAL, np.ascontiguousarray(x), TOP) for x in self.positions.T]
-        return monomials.products(tables, monomials.exponents(3, TOP)).T
+        tables = [univariate.table(univariate.Basis.MONOMIAL, np.ascontiguousarray(x), TOP) for x in self.positions.T]
+        return graded.products(tables, graded.exponents(3, TOP)).T
 
     def polynomial(self, a: FloatArray) -> ipcore.ImplicitPolynomial:
         """Return the polynomial with these coefficients, in graded order."""
@@ -71,7 +71,7 @@ def lstsq(cloud: Cloud) -> ipcore.ImplicitPolynomial:
     rows = Rows.of(cloud)
     M = rows.columns()
     for degree in range(1, TOP + 1):
-        solution = np.linalg.lstsq(M[:, : monomials.count(3, degree)], rows.b, rcond=None)
+        solution = np.linalg.lstsq(M[:, : graded.count(3, degree)], rows.b, rcond=None)
     return rows.polynomial(np.asarray(solution[0], dtype=float))
 
 
@@ -85,8 +85,8 @@ def sklearn_ridge(cloud: Cloud) -> ipcore.ImplicitPolynomial:
     for degree in range(1, TOP + 1):
         features = PolynomialFeatures(degree)
         model = Ridge(alpha=RIDGE, fit_intercept=False).fit(features.fit_transform(rows.positions), rows.b)
-    a = np.zeros(monomials.count(3, TOP))
-    a[monomials.column(features.powers_.astype(np.intp))] = model.coef_
+    a = np.zeros(graded.count(3, TOP))
+    a[graded.column(features.powers_.astype(np.intp))] = model.coef_
     return rows.polynomial(a)
 
 

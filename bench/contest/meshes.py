@@ -24,7 +24,7 @@ from contest.process import Asked, alone
 from contest.rounds import Medians, Scores, how_many, interleaved
 from contest.trial import Contender, Trial
 from evidence.table import table
-from ipcore.constraints import three_layer
+from ipcore.linear.constraints import three_layer
 from sets import FloatArray
 
 COUNT = 3000  # points: an RBF takes three centres for each

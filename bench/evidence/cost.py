@@ -9,13 +9,13 @@ import numpy as np
 from scipy.linalg import lstsq
 
 from evidence.table import table
-from ipcore import monomials
-from ipcore.basis import Basis
-from ipcore.basis import table as powers
-from ipcore.factor.block import BlockGramSchmidt
-from ipcore.factor.gram_schmidt import GramSchmidt
-from ipcore.factor.interface import Factorisation, Policy
-from ipcore.frame import Frame
+from ipcore.linear.qr.block_gram_schmidt import BlockGramSchmidt
+from ipcore.linear.qr.factorisation import Factorisation, Policy
+from ipcore.linear.qr.gram_schmidt import GramSchmidt
+from ipcore.polynomial import graded
+from ipcore.polynomial.frame import Frame
+from ipcore.polynomial.univariate import Basis
+from ipcore.polynomial.univariate import table as powers
 from sets import FloatArray, PointSet, load
 
 CASES = (("nucleus", 12), ("mp7_heart", 12), ("bunny_npm", 8), ("spot", 10))
@@ -33,9 +33,9 @@ class System:
         x, offset, d = Frame.of(given.points).to_local(given.points), C * given.normals, given.dimension
         layers = np.concatenate([x, x + offset, x - offset])
         tables = [powers(Basis.MONOMIAL, np.ascontiguousarray(row), degree) for row in layers.T]
-        self.M: FloatArray = np.asfortranarray(monomials.products(tables, monomials.exponents(d, degree)).T)
+        self.M: FloatArray = np.asfortranarray(graded.products(tables, graded.exponents(d, degree)).T)
         self.b = np.repeat([0.0, C, -C], len(x))
-        self.forms = [0, *(monomials.count(d, n) for n in range(degree + 1))]
+        self.forms = [0, *(graded.count(d, n) for n in range(degree + 1))]
 
     def at_every_column(self) -> None:
         """Solve anew for α = 1, 2, …, by LAPACK's QR with pivoting."""

@@ -3,9 +3,9 @@
 import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from ipcore import monomials
-from ipcore.factor.block import BlockGramSchmidt
-from ipcore.factor.interface import Policy
+from ipcore.linear.qr.block_gram_schmidt import BlockGramSchmidt
+from ipcore.linear.qr.factorisation import Policy
+from ipcore.polynomial import graded
 
 EPS = float(np.finfo(float).eps)
 DEGREE, ROWS = 10, 10_000
@@ -13,14 +13,14 @@ DEGREE, ROWS = 10, 10_000
 
 def test_block_gram_schmidt(benchmark: BenchmarkFixture) -> None:
     generator = np.random.default_rng(0)
-    M = np.asfortranarray(generator.normal(size=(ROWS, monomials.count(3, DEGREE))))
+    M = np.asfortranarray(generator.normal(size=(ROWS, graded.count(3, DEGREE))))
     M[:, 1:] += 1e3 * M[:, :1]  # a condition of 1e3 or more, so that one pass would not do
     b = generator.normal(size=ROWS)
 
     def work() -> BlockGramSchmidt:
         factor = BlockGramSchmidt(b, Policy(0.0))
         for degree in range(DEGREE + 1):
-            factor.append(M[:, monomials.form(3, degree)])
+            factor.append(M[:, graded.form(3, degree)])
         return factor
 
     factor = benchmark(work)

@@ -3,8 +3,8 @@
 import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from ipcore import basis, contraction, monomials
 from ipcore._typing import FloatArray
+from ipcore.polynomial import evaluation, graded, univariate
 from zero_sets import bumpy
 
 EPS = float(np.finfo(float).eps)
@@ -27,7 +27,7 @@ def test_scattered(benchmark: BenchmarkFixture) -> None:
 def test_on_a_grid(benchmark: BenchmarkFixture) -> None:
     p = bumpy(3)
     line = np.linspace(-1.5, 1.5, LINES)
-    f = benchmark(contraction.along_axes, p.tensor, p.tables([line] * 3))
+    f = benchmark(evaluation.along_axes, p.tensor, p.tables([line] * 3))
     x = np.stack(np.meshgrid(line[::8], line[::8], line[::8], indexing="ij"), axis=-1).reshape(-1, 3)
     tolerance = 64.0 * EPS * np.abs(p.coefficients).sum()
     np.testing.assert_allclose(f[::8, ::8, ::8].ravel(), term_by_term(x), atol=tolerance)
@@ -35,5 +35,5 @@ def test_on_a_grid(benchmark: BenchmarkFixture) -> None:
 
 def term_by_term(x: FloatArray) -> FloatArray:
     p = bumpy(3)
-    tables = [basis.table(p.basis, np.ascontiguousarray(row), p.degree) for row in (x / 1.5).T]
-    return np.asarray(p.coefficients @ monomials.products(tables, p.exponents))
+    tables = [univariate.table(p.basis, np.ascontiguousarray(row), p.degree) for row in (x / 1.5).T]
+    return np.asarray(p.coefficients @ graded.products(tables, p.exponents))

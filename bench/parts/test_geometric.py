@@ -1,11 +1,12 @@
-"""One iteration of the geometric fit: look, normal equations, step."""
+"""One iteration of the geometric fit: evaluation, normal equations, step."""
 
 import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from ipcore import monomials, shapes
-from ipcore.damping import Refined, refine
-from ipcore.geometric import DataTables, Objective
+from ipcore import shapes
+from ipcore.geometric.levenberg_marquardt import Refined, refine
+from ipcore.geometric.objective import DataTables, Objective
+from ipcore.polynomial import graded
 from sets import FloatArray
 
 DEGREE, ANGLE = 8, 0.001
@@ -16,7 +17,7 @@ def test_one_iteration(benchmark: BenchmarkFixture, torus: tuple[FloatArray, Flo
     true = shapes.torus().polynomial.to_chebyshev()
     data = DataTables(points, normals, np.ones(len(points)), true.bounds)
     objective = Objective(data, DEGREE, [], ANGLE)
-    a = np.zeros(monomials.count(3, DEGREE))
+    a = np.zeros(graded.count(3, DEGREE))
     a[: len(true.coefficients)] = true.coefficients
     a += 1e-3 * np.abs(a).max() * np.random.default_rng(0).normal(size=len(a)) / (1.0 + np.arange(len(a)))
 
@@ -25,4 +26,4 @@ def test_one_iteration(benchmark: BenchmarkFixture, torus: tuple[FloatArray, Flo
 
     fit = benchmark(work)
     assert fit.steps == 1
-    assert fit.look.value < 0.1 * objective.look(a).value  # Gauss–Newton near an exact shape
+    assert fit.evaluation.value < 0.1 * objective.evaluate(a).value  # Gauss–Newton near an exact shape

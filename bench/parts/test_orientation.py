@@ -4,7 +4,7 @@ import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 
 import ipcore
-from ipcore.winding import areas, winding_number
+from ipcore.points.winding import areas, winding_number
 from sets import FloatArray
 
 PLACES = 1000

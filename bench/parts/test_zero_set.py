@@ -3,8 +3,8 @@
 import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from ipcore.extraction import extract
-from ipcore.polishing import polish
+from ipcore.zero_set.extraction import extract
+from ipcore.zero_set.newton import polish
 from zero_sets import bumpy
 
 LINES = 96
@@ -25,7 +25,7 @@ def test_polishing(benchmark: BenchmarkFixture) -> None:
     p = bumpy(3)
     mesh = extract(p.on_grid([LINE] * 3), [LINE] * 3)
     polished = benchmark(polish, mesh, p, p.bounds, SPACING)
-    # what `ipcore.polishing` says of its steps, at this degree and on this grid
+    # what `ipcore.zero_set.newton` says of its steps, at this degree and on this grid
     distance = np.abs(p.distance(polished.vertices))
     assert np.median(distance) < 1e-15
     assert distance.max() < 1e-13

@@ -7,8 +7,8 @@ from importlib.metadata import version
 from fastapi import FastAPI
 
 from service.api import docs, problems
-from service.api.context import Context
-from service.api.document import DocumentedApp
+from service.api.dependencies import Context
+from service.api.openapi import DocumentedApp
 from service.api.routes import fits, health
 
 DESCRIPTION = """\

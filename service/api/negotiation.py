@@ -7,7 +7,7 @@ from http import HTTPStatus
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
-from service.jobs.drawing import FILES, POINT_SETS, FileKind
+from service.jobs.media_types import FILES, POINT_SETS, ZeroSetFormat
 
 JSON = "application/json"
 
@@ -35,7 +35,7 @@ def point_set_kind(request: Request, named: str | None) -> str:
     return POINT_SETS[sent]
 
 
-def file_kind(request: Request, dimension: int, named: str | None = None) -> FileKind:
+def file_kind(request: Request, dimension: int, named: str | None = None) -> ZeroSetFormat:
     """Return the kind of zero-set file that is wanted from a fit of this dimension.
 
     Raises
@@ -60,11 +60,11 @@ def wants_file(request: Request) -> bool:
     return quality(accept, JSON) < max(quality(accept, name) for kind in FILES for name in kind.media_types)
 
 
-def _named(made: list[FileKind], name: str) -> FileKind | None:
+def _named(made: list[ZeroSetFormat], name: str) -> ZeroSetFormat | None:
     return next((kind for kind in made if kind.name == name), None)
 
 
-def _best(accept: str, made: list[FileKind]) -> FileKind | None:
+def _best(accept: str, made: list[ZeroSetFormat]) -> ZeroSetFormat | None:
     """Return the kind that the Accept header wants most, the earlier in the list the better."""
     ranked = [(max(quality(accept, name) for name in kind.media_types), kind) for kind in made]
     best = max(ranked, key=lambda row: row[0])

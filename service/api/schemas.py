@@ -5,8 +5,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
-from service.api.options import FitOptions
 from service.api.problems import Problem
+from service.options import FitOptions
 
 Row = Annotated[list[float], Field(min_length=2, max_length=6)]
 

@@ -6,7 +6,7 @@ from fastapi import FastAPI
 
 from service.api.app import create_app
 from service.bootstrap import cluster, embedded
-from service.jobs.desk import FitDesk
+from service.jobs.use_cases import FitService
 from service.settings import Settings
 
 
@@ -27,6 +27,6 @@ def hurry(app: FastAPI) -> None:
         asyncio.get_running_loop().call_soon_threadsafe(_desk(app).hurry)
 
 
-def _desk(app: FastAPI) -> FitDesk:
-    desk: FitDesk = app.state.context.desk
+def _desk(app: FastAPI) -> FitService:
+    desk: FitService = app.state.context.desk
     return desk

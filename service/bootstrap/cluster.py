@@ -13,17 +13,17 @@ from psycopg.conninfo import make_conninfo
 from sqlalchemy import Engine
 from sqlalchemy.exc import SQLAlchemyError
 
-from service.api.context import Context
-from service.bootstrap import parts
-from service.queue import postgres
-from service.queue.crew import Crew
-from service.queue.postgres import PostgresLine
-from service.queue.replica import ReplicaQueue
+from service.api.dependencies import Context
+from service.bootstrap import components
+from service.queue import procrastinate_jobs
+from service.queue.listener import FitListener
+from service.queue.procrastinate_jobs import ProcrastinateJobs
+from service.queue.procrastinate_worker import ProcrastinateWorker
 from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
-from service.store.tables import PATIENCE, postgres_engine
-from service.store.versions import Part
+from service.store.migrations import Part
+from service.store.schema import PATIENCE, postgres_engine
 
 logger = logging.getLogger(__name__)
 
@@ -37,32 +37,32 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
     async with _engine(settings) as engine:
         await _reached(engine)  # if it is not, requests try again, and are answered with 503 meanwhile
         store, blobs = _stores(settings, engine)
-        queue = ReplicaQueue(store, _patient(settings))
+        queue = FitListener(store, _patient(settings))
         listening = asyncio.create_task(queue.listen())
         try:
             with TemporaryDirectory(prefix="ipfit-") as incoming:
-                async with parts.desk(settings, store, blobs, queue) as desk:
-                    yield Context(desk, parts.limits(settings), Path(incoming))
+                async with components.desk(settings, store, blobs, queue) as desk:
+                    yield Context(desk, components.limits(settings), Path(incoming))
         finally:
             listening.cancel()
 
 
 async def work(settings: Settings) -> None:
     """Run fits until SIGTERM; on a second one, end at once."""
-    async with _engine(settings) as engine, parts.fitters(settings) as fitters:
+    async with _engine(settings) as engine, components.fitters(settings) as fitters:
         while not await _reached(engine):  # noqa: ASYNC110 - nothing tells when it is there
             await asyncio.sleep(PAUSE)
         store, blobs = _stores(settings, engine)
-        retention = parts.retention(settings, store, blobs)
+        retention = components.retention(settings, store, blobs)
 
         def tidy() -> None:
             if found := store.rejoin(2.0 * settings.lease):
                 logger.warning("%d fits had no job any more and were queued again", found)
             retention.sweep()
 
-        crew = Crew(
+        crew = ProcrastinateWorker(
             store,
-            parts.runner(settings, store, blobs, fitters, publish=True),
+            components.runner(settings, store, blobs, fitters, publish=True),
             tidy,
             url=_patient(settings),
             seats=settings.workers,
@@ -80,14 +80,14 @@ def _patient(settings: Settings) -> str:
 
 
 def _stores(settings: Settings, engine: Engine) -> tuple[SqlFits, Blobs]:
-    store = SqlFits(engine, settings.queue_limit, PostgresLine())
+    store = SqlFits(engine, settings.queue_limit, ProcrastinateJobs())
     return store, Blobs(settings.blobs_url or str(settings.data_dir.absolute() / "blobs"))
 
 
 @asynccontextmanager
 async def _engine(settings: Settings) -> AsyncIterator[Engine]:
     """Yield an engine on the database."""
-    queue = Part("procrastinate", "procrastinate_jobs", postgres.make, postgres.steps())
+    queue = Part("procrastinate", "procrastinate_jobs", procrastinate_jobs.make, procrastinate_jobs.steps())
     engine = postgres_engine(str(settings.database_url), queue)
     try:
         yield engine

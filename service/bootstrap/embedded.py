@@ -4,14 +4,14 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from service.api.context import Context
-from service.bootstrap import parts
-from service.queue.local import LocalQueue
+from service.api.dependencies import Context
+from service.bootstrap import components
+from service.queue.embedded import EmbeddedQueue
 from service.settings import Settings
 from service.store.blobs import Blobs
+from service.store.data_folder import opened
 from service.store.fits import SqlFits
-from service.store.folder import opened
-from service.store.tables import sqlite_engine
+from service.store.schema import sqlite_engine
 
 
 @asynccontextmanager
@@ -20,15 +20,15 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
     with opened(settings.data_dir) as folder:
         engine = sqlite_engine(folder.database)
         store, blobs = SqlFits(engine, settings.queue_limit), Blobs(settings.blobs_url or str(folder.blobs))
-        sweeping = asyncio.create_task(parts.retention(settings, store, blobs).keep_sweeping())
+        sweeping = asyncio.create_task(components.retention(settings, store, blobs).keep_sweeping())
         try:
-            async with parts.fitters(settings) as fitters:
-                runner = parts.runner(settings, store, blobs, fitters, publish=False)
-                queue = LocalQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
-                async with parts.desk(settings, store, blobs, queue) as desk:
+            async with components.fitters(settings) as fitters:
+                runner = components.runner(settings, store, blobs, fitters, publish=False)
+                queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
+                async with components.desk(settings, store, blobs, queue) as desk:
                     try:
                         await queue.resume()
-                        yield Context(desk, parts.limits(settings), folder.incoming)
+                        yield Context(desk, components.limits(settings), folder.incoming)
                     finally:
                         await queue.close()
         finally:

@@ -12,11 +12,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 import ipcore
 from service.cli.options import with_fit_options
-from service.formats import files, picture, point_sets
-from service.formats.zero_sets import WRITERS
-from service.jobs.drawing import FILES
+from service.formats.picture import page
+from service.formats.points import decode, files
+from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
 from service.jobs.fit import PointSet
+from service.jobs.media_types import FILES
 
 MAX_POINTS = 10_000_000
 
@@ -46,7 +47,7 @@ def fit(  # noqa: PLR0913 - one option each
 def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None) -> None:
     given = files.read_file(file, MAX_POINTS)
     writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
-    points, normals = point_sets.split(given.content, given.dimension)
+    points, normals = decode.split(given.content, given.dimension)
     with _bar(options.degree_cap(given.dimension)) as show:
         result = ipcore.fit(points, normals, options, progress=show)
     _summarise(file, given, result)
@@ -54,7 +55,7 @@ def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None]
         zero_set = ipcore.zero_set(result.polynomial, resolution=resolution, data=points)
         _write(targets["mesh"], writer(zero_set))
     if targets["plot"] is not None:
-        _write(targets["plot"], picture.plot(result, points))
+        _write(targets["plot"], page.plot(result, points))
     if targets["output"] is not None:
         _write(targets["output"], orjson.dumps(result.to_dict(), option=orjson.OPT_INDENT_2))
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 import typer
 from pydantic.fields import FieldInfo
 
-from service.api.options import FitOptions, default
+from service.options import FitOptions, default
 
 
 def with_fit_options(command: Callable[..., None]) -> Callable[..., None]:

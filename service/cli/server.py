@@ -15,8 +15,8 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.api.options import table as fit_options
 from service.bootstrap import application, drain, hurry
+from service.options import table as fit_options
 from service.settings import Settings, table
 
 # Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for

@@ -21,12 +21,12 @@ class FitStatus(StrEnum):
     @property
     def final(self) -> bool:
         """Return whether nothing can happen to the fit any more."""
-        return not MOVES[self]
+        return not TRANSITIONS[self]
 
 
 # running → accepted: its worker died, or the server stopped, and it is to run again; or all of its parts have ended,
 # and what is left of it waits for a worker.
-MOVES: dict[FitStatus, frozenset[FitStatus]] = {
+TRANSITIONS: dict[FitStatus, frozenset[FitStatus]] = {
     FitStatus.ACCEPTED: frozenset({FitStatus.RUNNING, FitStatus.DISMISSED}),
     FitStatus.RUNNING: frozenset(
         {FitStatus.SUCCESSFUL, FitStatus.FAILED, FitStatus.DISMISSED, FitStatus.ACCEPTED},
@@ -50,7 +50,7 @@ def sources(target: FitStatus) -> list[FitStatus]:
     >>> [str(status) for status in sources(FitStatus.DISMISSED)]
     ['accepted', 'running']
     """
-    return [status for status, targets in MOVES.items() if target in targets]
+    return [status for status, targets in TRANSITIONS.items() if target in targets]
 
 
 @dataclass(frozen=True)

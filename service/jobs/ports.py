@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from service.jobs.drawing import Drawing
 from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
+from service.jobs.media_types import MeshRequest
 
 T = TypeVar("T")
 
@@ -174,8 +174,8 @@ class Reader(Protocol):
         """Return whether a fit with these options, which were checked, can be made of sums over its points."""
 
 
-class Draughtsman(Protocol):
+class MeshExporter(Protocol):
     """Draws zero sets."""
 
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: Drawing) -> bytes:
+    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
         """Return a file with the zero set of a fit's result, given its point set."""

@@ -24,7 +24,7 @@ logger = logging.getLogger(__name__)
 # Read by the libraries when they are first loaded, so it must stand in the environment before numpy is.
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # Loaded once in the fork server, so that a new worker is ready in milliseconds.
-PRELOAD = ["service.workers.tasks", "service.formats.drawing", "service.formats.intake"]
+PRELOAD = ["service.workers.tasks", "service.formats.zero_set.exporter", "service.formats.points.reader"]
 # How often a task that runs is checked to have a pool that is alive.
 LOOK = 1.0
 # Seconds between two looks whether a killed process is gone; most are in a few milliseconds.

@@ -3,8 +3,7 @@
 import numpy as np
 from threadpoolctl import threadpool_info
 
-from ipcore.blas import limited
-from ipcore.parallel import ordered, using
+from ipcore._threads import limited, ordered, using
 
 
 def threads() -> set[int]:

@@ -5,7 +5,7 @@ import pytest
 
 from ipcore import shapes
 from ipcore.shapes import Shape
-from ipcore.zero_set import zero_set
+from ipcore.zero_set.zero_set import zero_set
 
 EVERY = [*shapes.CURVES, *shapes.SURFACES]
 

@@ -7,9 +7,9 @@ import httpx
 import pytest
 from sqlalchemy import Engine, text
 
-from service.queue.postgres import PostgresLine
+from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
-from service.store.tables import postgres_engine, sqlite_engine
+from service.store.schema import postgres_engine, sqlite_engine
 from tests.service.postgres import Postgres
 from tests.service.running import Server
 from tests.service.stores import LIMIT, QUEUE
@@ -46,7 +46,7 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
         engine: Engine = request.getfixturevalue("database")
         with engine.begin() as connection:
             connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-        yield SqlFits(engine, LIMIT, PostgresLine())
+        yield SqlFits(engine, LIMIT, ProcrastinateJobs())
         return
     engine = sqlite_engine(tmp_path / "fits.sqlite")
     yield SqlFits(engine, LIMIT)

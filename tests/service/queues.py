@@ -15,13 +15,13 @@ from sqlalchemy import Engine, text
 from service.jobs.cost import SHORT
 from service.jobs.errors import NotReadyError
 from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
+from service.jobs.parts import split
 from service.jobs.slices import Frame, Slice
-from service.jobs.split import split
-from service.queue.local import LocalQueue
+from service.queue.embedded import EmbeddedQueue
 from service.queue.runner import Runner, Tasks
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
-from service.store.tables import sqlite_engine
+from service.store.schema import sqlite_engine
 from service.workers.pool import WorkerPool
 from service.workers.progress import report
 
@@ -70,10 +70,10 @@ class Bench:
         self.workers = workers
         self.queue = self.anew()
 
-    def anew(self) -> LocalQueue:
+    def anew(self) -> EmbeddedQueue:
         tasks = Tasks(task, part, rest)
         runner = Runner(self.store, self.blobs, self.workers, tasks, holder=Holder("me", 1.0), deadline=1.0)
-        return LocalQueue(self.store, runner, seats=1, short_seats=1)
+        return EmbeddedQueue(self.store, runner, seats=1, short_seats=1)
 
     def submit(self, name: str, client: str = "", cost: float = LONG, **options: Any) -> None:  # noqa: ANN401 - any
         key = self.blobs.put(b"answer")

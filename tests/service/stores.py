@@ -6,9 +6,9 @@ from typing import Any
 from sqlalchemy import Engine, text
 
 from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
-from service.queue.postgres import make, steps
+from service.queue.procrastinate_jobs import make, steps
 from service.store.fits import SqlFits
-from service.store.versions import Part
+from service.store.migrations import Part
 
 LIMIT = 40
 QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from service.formats import files, point_sets
+from service.formats.points import decode, files
 from service.jobs.errors import InvalidInputError, MalformedInputError
 from tests.service.bodies import ellipse, sphere
 
@@ -31,7 +31,7 @@ def saved(folder: Path, ending: str) -> Path:
 @pytest.mark.parametrize("ending", [".npy", ".npz", ".json", ".csv", ".txt", ".xyz", ".asc"])
 def test_tables_give_points_and_normals(tmp_path: Path, ending: str) -> None:
     found = files.read_file(saved(tmp_path, ending), 1000)
-    points, normals = point_sets.split(found.content, 3)
+    points, normals = decode.split(found.content, 3)
     assert normals is not None
     assert np.allclose(points, sphere(50)[:, :3], atol=1e-15)
     assert np.allclose(normals, sphere(50)[:, 3:], atol=1e-15)
@@ -42,7 +42,7 @@ def test_meshes_give_their_vertices_and_outward_normals(tmp_path: Path, ending: 
     path = tmp_path / f"ball{ending}"
     trimesh.creation.icosphere(subdivisions=2).export(path)
     found = files.read_file(path, 10_000)
-    points, normals = point_sets.split(found.content, 3)
+    points, normals = decode.split(found.content, 3)
     assert normals is not None
     assert np.allclose(np.linalg.norm(points, axis=1), 1.0, atol=1e-6)
     assert (np.einsum("ij,ij->i", points, normals) > 0.9).all()
@@ -54,7 +54,7 @@ def test_a_cloud_without_normals_gives_points_alone(tmp_path: Path) -> None:
     cloud.export(path)  # type: ignore[no-untyped-call]
     found = files.read_file(path, 1000)
     assert found.points == 50
-    assert point_sets.split(found.content, 3)[1] is None
+    assert decode.split(found.content, 3)[1] is None
 
 
 def test_endings_are_read_in_any_case(tmp_path: Path) -> None:

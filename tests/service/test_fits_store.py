@@ -12,10 +12,10 @@ from procrastinate.exceptions import ConnectorException
 from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
-from service.jobs.fit import MAX_ABANDONED, MOVES, Failure, FitStatus, Holder
-from service.queue.postgres import PostgresLine
+from service.jobs.fit import MAX_ABANDONED, TRANSITIONS, Failure, FitStatus, Holder
+from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
-from service.store.tables import sqlite_engine
+from service.store.schema import sqlite_engine
 from tests.service.stores import LIMIT, ME, NOW, OTHER, add, fit, jobs
 
 
@@ -74,7 +74,7 @@ def test_every_move_is_made_if_legal_and_changes_nothing_if_not(
 ) -> None:
     bring(store, status)
     before = store.get("one")
-    legal = target in MOVES[status]
+    legal = target in TRANSITIONS[status]
     assert bool(action(store)) is legal
     after = store.get("one")
     assert after is not None
@@ -302,7 +302,7 @@ def test_commits_are_flushed_to_disk(tmp_path: Path) -> None:
 def shared(database: Engine) -> SqlFits:
     with database.begin() as connection:
         connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-    return SqlFits(database, LIMIT, PostgresLine())
+    return SqlFits(database, LIMIT, ProcrastinateJobs())
 
 
 def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, database: Engine) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from service.store.folder import FolderInUseError, opened
+from service.store.data_folder import FolderInUseError, opened
 
 
 def test_a_folder_is_opened_once_at_a_time(tmp_path: Path) -> None:

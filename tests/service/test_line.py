@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from service.jobs.cost import SHORT, predicted_seconds
 from service.jobs.fit import Fit, FitStatus, PointSetRef
-from service.queue.line import Line
+from service.queue.fair_queue import FairQueue
 
 NAMES = count()
 EPS = sys.float_info.epsilon
@@ -22,7 +22,7 @@ def fit(client: str, cost: float) -> Fit:
     return Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), {}, datetime.now(UTC), client, cost)
 
 
-def served(line: Line, *, short: bool = False) -> list[str]:
+def served(line: FairQueue, *, short: bool = False) -> list[str]:
     """Return everything that is in line, in its turn."""
     taken = []
     while (one := line.take(short=short)) is not None:
@@ -32,7 +32,7 @@ def served(line: Line, *, short: bool = False) -> list[str]:
 
 @given(st.lists(st.tuples(st.sampled_from("abc"), COSTS), max_size=40))
 def test_everybody_is_served_once_and_a_clients_own_fits_in_order(sent: list[tuple[str, float]]) -> None:
-    line, fits = Line(), [fit(client, cost) for client, cost in sent]
+    line, fits = FairQueue(), [fit(client, cost) for client, cost in sent]
     for one in fits:
         line.join(one)
     taken = served(line)
@@ -43,7 +43,7 @@ def test_everybody_is_served_once_and_a_clients_own_fits_in_order(sent: list[tup
 
 @given(st.lists(COSTS, min_size=20, max_size=20), st.lists(COSTS, min_size=20, max_size=20))
 def test_while_two_clients_wait_neither_gets_more_than_one_fit_ahead(a: list[float], b: list[float]) -> None:
-    line, cost, had = Line(), {}, {"a": 0.0, "b": 0.0}
+    line, cost, had = FairQueue(), {}, {"a": 0.0, "b": 0.0}
     for client, costs in (("a", a), ("b", b)):
         for seconds in costs:
             one = fit(client, seconds)
@@ -60,7 +60,7 @@ def test_while_two_clients_wait_neither_gets_more_than_one_fit_ahead(a: list[flo
 
 
 def test_a_client_that_comes_late_is_not_paid_for_the_time_before() -> None:
-    line = Line()
+    line = FairQueue()
     for _ in range(10):
         line.join(fit("early", 10.0))
     for _ in range(6):
@@ -71,7 +71,7 @@ def test_a_client_that_comes_late_is_not_paid_for_the_time_before() -> None:
 
 
 def test_no_stream_of_new_clients_keeps_one_waiting_for_good() -> None:
-    line = Line()
+    line = FairQueue()
     patient = [fit("patient", 10.0) for _ in range(2)]
     for one in patient:
         line.join(one)
@@ -83,7 +83,7 @@ def test_no_stream_of_new_clients_keeps_one_waiting_for_good() -> None:
 
 
 def test_the_short_lane_takes_short_fits_only() -> None:
-    line = Line()
+    line = FairQueue()
     sent = [fit("a", SHORT * 2), fit("a", SHORT), fit("b", SHORT / 2)]
     for one in sent:
         line.join(one)
@@ -92,7 +92,7 @@ def test_the_short_lane_takes_short_fits_only() -> None:
 
 
 def test_who_left_is_not_served() -> None:
-    line, one, other = Line(), fit("a", 1.0), fit("a", 1.0)
+    line, one, other = FairQueue(), fit("a", 1.0), fit("a", 1.0)
     for each in (one, other):
         line.join(each)
     line.leave(one)

@@ -8,12 +8,12 @@ import pytest
 import trimesh
 
 from ipcore import shapes
-from ipcore.frame import Frame
-from ipcore.polynomial import ImplicitPolynomial
-from ipcore.zero_set import ZeroSet, zero_set
-from service.formats import meshes
-from service.formats.zero_sets import WRITERS
-from service.jobs.drawing import FILES
+from ipcore.polynomial.frame import Frame
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.zero_set.zero_set import ZeroSet, zero_set
+from service.formats.zero_set import meshes
+from service.formats.zero_set.writers import WRITERS
+from service.jobs.media_types import FILES
 
 NAMES = [known.name for known in FILES if known.dimension == 3]
 SINGLE, DOUBLE = float(np.finfo(np.float32).eps), float(np.finfo(float).eps)

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 import ipcore
 from ipcore import shapes
-from service.api.options import FitOptions, table
 from service.cli.app import app
+from service.options import FitOptions, table
 from tests.service.bodies import ellipse, npy, torus
 
 README = Path(__file__).parents[2] / "README.md"

@@ -8,19 +8,20 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from ipcore import monomials, shapes
+from ipcore import shapes
 from ipcore._typing import FloatArray
-from ipcore.frame import Frame
-from ipcore.polynomial import ImplicitPolynomial
-from ipcore.zero_set import ZeroSet, zero_set
-from service.formats.outlines import geojson, svg
+from ipcore.polynomial import graded
+from ipcore.polynomial.frame import Frame
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.zero_set.zero_set import ZeroSet, zero_set
+from service.formats.zero_set.curves import geojson, svg
 
 SQUARE = np.array([[-2.0, -2.0], [2.0, 2.0]])
 
 
 def quartic(terms: dict[tuple[int, int], float]) -> ImplicitPolynomial:
-    a = np.zeros(monomials.count(2, 4))
-    a[monomials.column(np.array(list(terms)))] = list(terms.values())
+    a = np.zeros(graded.count(2, 4))
+    a[graded.column(np.array(list(terms)))] = list(terms.values())
     return ImplicitPolynomial(4, a, Frame(np.zeros(2), 1.0), SQUARE)
 
 

@@ -11,10 +11,10 @@ import pytest
 import ipcore
 from ipcore import shapes
 from ipcore._typing import FloatArray
-from service.formats import picture_trace
-from service.formats.picture import plot
-from service.formats.picture_plane import HEIGHT, MOST_DOTS, WARNING, WIDTH, Placing, supported
-from service.formats.picture_surface import MOST_TRIANGLES, Facets, View
+from service.formats.picture import trace
+from service.formats.picture.page import plot
+from service.formats.picture.plane import HEIGHT, MOST_DOTS, WARNING, WIDTH, Placing, supported
+from service.formats.picture.surface import MOST_TRIANGLES, Facets, View
 
 NAMESPACE = {"svg": "http://www.w3.org/2000/svg"}
 TURN = np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)
@@ -192,25 +192,25 @@ class TestTrace:
             assert len(heights(chart, "step")) == count
             across = [float(c.attrib["cx"]) for c in chart.iterfind("svg:circle[@class='step']", NAMESPACE)]
             assert across == sorted(set(across))
-            assert picture_trace.LEFT < across[0] <= across[-1] < picture_trace.WIDTH
+            assert trace.LEFT < across[0] <= across[-1] < trace.WIDTH
 
     def test_distance_is_logarithmic(self) -> None:
         # Axis from 1 to 0.001: three decades.
-        chart, decade = at(flat(list(self.STEPS)), ".//svg:g[@id='d_dist']"), picture_trace.HEIGHT / 3.0
+        chart, decade = at(flat(list(self.STEPS)), ".//svg:g[@id='d_dist']"), trace.HEIGHT / 3.0
         expected = [-decade * np.log10(d) for d, _ in self.STEPS]
         assert heights(chart, "step") == pytest.approx(expected, abs=0.051)
         assert threshold(chart) == pytest.approx(2.0 * decade, abs=0.051)
 
     def test_smoothness_is_linear(self) -> None:
         chart = at(flat(list(self.STEPS)), ".//svg:g[@id='d_smooth']")
-        expected = [picture_trace.HEIGHT * (1.0 - s) for _, s in self.STEPS]
+        expected = [trace.HEIGHT * (1.0 - s) for _, s in self.STEPS]
         assert heights(chart, "step") == pytest.approx(expected, abs=0.051)
-        assert threshold(chart) == pytest.approx(0.05 * picture_trace.HEIGHT, abs=0.051)
+        assert threshold(chart) == pytest.approx(0.05 * trace.HEIGHT, abs=0.051)
 
     def test_thresholds_are_those_of_the_options(self) -> None:
         root = flat(list(self.STEPS), ipcore.FitOptions(t1=0.1, t2=0.5))
-        assert threshold(at(root, ".//svg:g[@id='d_dist']")) == pytest.approx(picture_trace.HEIGHT / 3.0, abs=0.051)
-        assert threshold(at(root, ".//svg:g[@id='d_smooth']")) == pytest.approx(picture_trace.HEIGHT / 2.0, abs=0.051)
+        assert threshold(at(root, ".//svg:g[@id='d_dist']")) == pytest.approx(trace.HEIGHT / 3.0, abs=0.051)
+        assert threshold(at(root, ".//svg:g[@id='d_smooth']")) == pytest.approx(trace.HEIGHT / 2.0, abs=0.051)
         assert {"t1 = 0.1", "t2 = 0.5"} <= set(at(root, ".//svg:g[@id='trace']").itertext())
 
     def test_the_chosen_degree_is_ringed_and_always_labelled(self) -> None:
@@ -231,7 +231,7 @@ class TestTrace:
         root = flat(odd, ipcore.FitOptions(t1=t1))
         distance, smoothness = (at(root, f".//svg:g[@id='{name}']") for name in ("d_dist", "d_smooth"))
         down = heights(distance, "step")
-        bottom = picture_trace.HEIGHT
+        bottom = trace.HEIGHT
         assert [down[0], down[1], down[3], down[4]] == [0.0, 0.0, 0.0, bottom]
         assert 0.0 < down[2] < bottom
         assert heights(smoothness, "step")[:2] == [bottom, bottom]
@@ -245,7 +245,7 @@ class TestTrace:
         root = flat([measures], options)
         for name in ("d_dist", "d_smooth"):
             (y,) = heights(at(root, f".//svg:g[@id='{name}']"), "step")
-            assert 0.0 <= y <= picture_trace.HEIGHT
+            assert 0.0 <= y <= trace.HEIGHT
 
 
 class TestSurface:

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from service.formats import point_sets
+from service.formats.points import decode
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
 from service.jobs.fit import PointSet
 from tests.service.bodies import Array, ellipse, npy, sphere
@@ -22,7 +22,7 @@ POINTS = ellipse(20).tolist()
 
 
 def read(body: bytes | dict[str, Any], kind: str = "json") -> PointSet:
-    return point_sets.read(body if isinstance(body, bytes) else json.dumps(body).encode(), kind, MOST)
+    return decode.read(body if isinstance(body, bytes) else json.dumps(body).encode(), kind, MOST)
 
 
 def refused(body: bytes | dict[str, Any], kind: str = "json") -> InvalidInputError:
@@ -45,7 +45,7 @@ def described(shape: str = "(20, 2)", kind: str = "'<f8'", order: str = "False")
 )
 def test_what_was_read_splits_into_what_was_sent(table: Array) -> None:
     found = read(npy(table), "npy")
-    points, normals = point_sets.split(found.content, found.dimension)
+    points, normals = decode.split(found.content, found.dimension)
     assert np.array_equal(points, table[:, : found.dimension])
     assert (normals is None) == (table.shape[1] <= 3)
     if normals is not None:

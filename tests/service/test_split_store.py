@@ -9,9 +9,9 @@ import pytest
 from sqlalchemy import Engine, text
 
 from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, Holder
+from service.jobs.parts import split
 from service.jobs.slices import Frame, Slice
-from service.jobs.split import split
-from service.queue.postgres import PostgresLine
+from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
 from tests.service.stores import LIMIT, ME, OTHER, fit, jobs
 
@@ -174,7 +174,7 @@ def test_what_was_summed_is_no_fit_that_ended(store: SqlFits) -> None:
 def shared(database: Engine) -> SqlFits:
     with database.begin() as connection:
         connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-    return SqlFits(database, LIMIT, PostgresLine())
+    return SqlFits(database, LIMIT, ProcrastinateJobs())
 
 
 def test_parts_have_jobs_in_the_lane_of_the_long_and_then_the_fit_has_one(shared: SqlFits, database: Engine) -> None:

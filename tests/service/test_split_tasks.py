@@ -11,11 +11,11 @@ import pytest
 
 import ipcore
 from ipcore import shapes
-from service.formats import point_sets
+from service.formats.points import decode
 from service.jobs.errors import NotReadyError
 from service.jobs.fit import Fit, FitStatus, PointSetRef
+from service.jobs.parts import split
 from service.jobs.slices import Frame, Slice
-from service.jobs.split import split
 from service.store.blobs import Blobs
 from service.workers import tasks
 from tests.service.bodies import Array, npy
@@ -41,7 +41,7 @@ def noisy(shape: shapes.Shape, count: int) -> Array:
 )
 def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dict[str, Any], summed: int) -> None:
     table = noisy(shapes.ellipse() if dimension == 2 else shapes.torus(), 2500)
-    read, blobs, asked = point_sets.read(npy(table), "npy", 2500), Blobs(str(tmp_path)), LINEAR | options
+    read, blobs, asked = decode.read(npy(table), "npy", 2500), Blobs(str(tmp_path)), LINEAR | options
     assert read.frame is not None
     key = blobs.put(read.content)
     fit = Fit("one", FitStatus.ACCEPTED, PointSetRef(key, dimension, 2500), asked, datetime.now(UTC))
@@ -53,13 +53,15 @@ def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dic
     assert rest["polynomial"]["frame"] == whole["polynomial"]["frame"]
     assert [step["degree"] for step in rest["steps"]] == [step["degree"] for step in whole["steps"]]
     for one, other in zip(rest["steps"], whole["steps"], strict=True):
-        assert one["d_dist"] == pytest.approx(other["d_dist"], rel=1e-8, abs=1e-9)  # `ipcore.compressed`'s own rounding
+        assert one["d_dist"] == pytest.approx(
+            other["d_dist"], rel=1e-8, abs=1e-9
+        )  # `ipcore.linear.q_less`'s own rounding
     f, g = (ipcore.ImplicitPolynomial.from_dict(one["polynomial"]) for one in (rest, whole))
     np.testing.assert_allclose(f(table[:, :dimension]), g(table[:, :dimension]), atol=1e-8)
 
 
 def test_a_part_that_is_missing_or_comes_twice_is_noticed(tmp_path: Path) -> None:
-    blobs, read = Blobs(str(tmp_path)), point_sets.read(npy(noisy(shapes.torus(), 900)), "npy", 900)
+    blobs, read = Blobs(str(tmp_path)), decode.read(npy(noisy(shapes.torus(), 900)), "npy", 900)
     assert read.frame is not None
     key = blobs.put(read.content)
     sums = [tasks.part(blobs, key, 3, LINEAR, Slice(i, i + 300, read.frame)) for i in (0, 300, 600)]

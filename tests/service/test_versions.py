@@ -9,10 +9,10 @@ import pytest
 from sqlalchemy import Column, Connection, Engine, MetaData, Table, create_engine, inspect, text
 
 from service.jobs.fit import FitStatus
-from service.queue.postgres import make, steps
-from service.store.tables import FITS
-from service.store.tables import fits as table
-from service.store.versions import DatabaseVersionError, Part, prepare
+from service.queue.procrastinate_jobs import make, steps
+from service.store.migrations import DatabaseVersionError, Part, prepare
+from service.store.schema import FITS
+from service.store.schema import fits as table
 from tests.service.bodies import ellipse, npy
 from tests.service.postgres import Postgres
 from tests.service.running import Program, Server, until

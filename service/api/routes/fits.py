@@ -8,15 +8,15 @@ from fastapi import APIRouter, Path, Query, Request, Response
 from pydantic import Field, ValidationError
 
 from service.api import body, negotiation
-from service.api.context import Context, Here
-from service.api.document import problem, reference
-from service.api.options import FitOptions
+from service.api.dependencies import Context, Here
+from service.api.openapi import problem, reference
 from service.api.preferences import DEFAULT_WAIT, Preferences
 from service.api.problems import pointer
 from service.api.representation import fit_response
 from service.api.schemas import FitResource
-from service.jobs.drawing import FILES, Drawing, FileKind
 from service.jobs.errors import InvalidInputError
+from service.jobs.media_types import FILES, MeshRequest, ZeroSetFormat
+from service.options import FitOptions
 
 router = APIRouter(prefix="/v1/fits", tags=["fits"])
 
@@ -112,7 +112,7 @@ async def create(request: Request, here: Here, query: Annotated[FitQuery, Query(
     if not fit.status.final:
         return fit_response(request, fit, await here.desk.progress(fit), HTTPStatus.ACCEPTED, headers)
     if wanted is not None:
-        return await _file(here, fit.id, wanted, Drawing(wanted.name), headers)
+        return await _file(here, fit.id, wanted, MeshRequest(wanted.name), headers)
     return fit_response(request, fit, [], headers=headers)
 
 
@@ -170,7 +170,7 @@ async def mesh(  # noqa: PLR0913, PLR0917 - one parameter each in the OpenAPI do
     kind = negotiation.file_kind(request, dimension, format)
     here.limits.check_resolution(resolution, dimension)
     box = None if bounds is None else _corners(bounds, dimension)
-    return await _file(here, fit_id, kind, Drawing(kind.name, resolution, box, extent == "data"))
+    return await _file(here, fit_id, kind, MeshRequest(kind.name, resolution, box, extent == "data"))
 
 
 @router.delete(
@@ -189,7 +189,7 @@ async def dismiss(request: Request, here: Here, fit_id: FitId) -> Response:
 
 
 async def _file(
-    here: Context, fit_id: str, kind: FileKind, drawing: Drawing, headers: dict[str, str] | None = None
+    here: Context, fit_id: str, kind: ZeroSetFormat, drawing: MeshRequest, headers: dict[str, str] | None = None
 ) -> Response:
     content = await here.desk.draw(fit_id, drawing)
     named = {"Content-Disposition": f'inline; filename="{fit_id}.{kind.name}"', "Vary": "Accept", **(headers or {})}

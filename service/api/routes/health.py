@@ -2,8 +2,8 @@
 
 from fastapi import APIRouter
 
-from service.api.context import Here
-from service.api.document import problem
+from service.api.dependencies import Here
+from service.api.openapi import problem
 from service.api.schemas import Health
 
 router = APIRouter(tags=["health"])

@@ -1,1 +1,0 @@
-"""Incremental factorisations M = QR: columns are appended, R and b̃ = Qᵀb grow, nothing earlier changes."""

@@ -1,0 +1,1 @@
+"""The geometric fit under sign constraints."""

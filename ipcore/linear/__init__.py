@@ -1,0 +1,1 @@
+"""Linear least-squares fits: the paper's algorithm and its family."""

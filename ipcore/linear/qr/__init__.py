@@ -1,0 +1,1 @@
+"""Factorisations M = QR of a matrix that grows to the right."""

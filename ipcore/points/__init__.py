@@ -1,0 +1,1 @@
+"""What is fitted: points checked, read in pieces, sampled, given normals, oriented."""

@@ -1,0 +1,138 @@
+"""Check the caller's points and normals before any work is done on them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ipcore._typing import FloatArray
+from ipcore.errors import InvalidNormalsError, InvalidPointsError, IPCoreError
+from ipcore.points import digest
+
+# Below this share of the longest principal extent, an extent counts as none. Points stored in single precision carry
+# 6e-8 of rounding; nothing thinner than that can be told from a line or a plane.
+FLATNESS = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class PointSet:
+    """Points that can be fitted, and their normals if the caller gave any.
+
+    Attributes
+    ----------
+    points
+        (N, d), finite, double precision, raw coordinates.
+    normals
+        (N, d), unit length, or None.
+    planar
+        Whether 3D points all lie on one plane, which a polynomial of degree 1 represents.
+
+    """
+
+    points: FloatArray
+    normals: FloatArray | None
+    planar: bool
+
+    @property
+    def sha256(self) -> str:
+        """Return what `digest` makes of points and normals."""
+        return digest.sha256(self.points, self.normals)
+
+
+def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
+    """Return the point set, or say what is wrong with it and where.
+
+    Raises
+    ------
+    InvalidPointsError
+        Wrong shape, NaN or infinite, fewer than d + 1 points, all equal, or all on one line.
+    InvalidNormalsError
+        Another shape than the points', NaN or infinite, or of zero length.
+
+    Examples
+    --------
+    >>> check([[0.0, 0.0], [1.0, float("nan")], [0.0, 1.0]])
+    Traceback (most recent call last):
+    ipcore.errors.InvalidPointsError: points must be finite: row 1, column 1 is nan (1 value in all)
+
+    """
+    x = matrix("points", points, InvalidPointsError)
+    check_shape(x.shape)
+    n = None if normals is None else unit(normals, x)
+    centred = x - x.mean(axis=0)
+    size = extent(centred, x)
+    R = np.asarray(np.linalg.qr(centred / size, mode="r"))
+    return PointSet(x, n, rank(R, size, float(np.abs(x).max())) < x.shape[1])
+
+
+def check_shape(shape: tuple[int, ...]) -> None:
+    """Refuse points (N, d) that have too many columns or too few rows."""
+    d = shape[1]
+    if d not in (2, 3):
+        raise InvalidPointsError(f"points must have 2 or 3 columns, not {d}", ("points",))
+    if shape[0] < d + 1:
+        raise InvalidPointsError(
+            f"{shape[0]} points are too few: a fit of degree 1 in {d}D needs at least {d + 1}", ("points",)
+        )
+
+
+def matrix(name: str, values: ArrayLike, error: type[IPCoreError], start: int = 0) -> FloatArray:
+    """Return finite numbers (n, d), or say what is wrong; `start` is the number of the first row."""
+    try:
+        x = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as cause:
+        raise error(f"{name} must be an array of numbers with one row per point: {cause}", (name,)) from cause
+    if x.ndim != 2:
+        raise error(f"{name} must have two axes, one row per point, not shape {x.shape}", (name,))
+    bad = np.argwhere(~np.isfinite(x))
+    if len(bad):
+        row, column = (int(i) for i in bad[0])
+        many = "1 value" if len(bad) == 1 else f"{len(bad)} values"
+        raise error(
+            f"{name} must be finite: row {start + row}, column {column} is {x[row, column]} ({many} in all)",
+            (name, start + row, column),
+        )
+    return x
+
+
+def unit(normals: ArrayLike, x: FloatArray, start: int = 0) -> FloatArray:
+    """Return normals of points x (n, d) with length 1, or say what is wrong; `start` is the number of the first row."""
+    n = matrix("normals", normals, InvalidNormalsError, start)
+    if n.shape != x.shape:
+        raise InvalidNormalsError(f"normals have shape {n.shape}, the points {x.shape}: they must match", ("normals",))
+    longest = np.abs(n).max(axis=1, keepdims=True)  # divided out first, so that no square over- or underflows
+    zero = np.flatnonzero(longest == 0.0)
+    if len(zero):
+        row = start + int(zero[0])
+        raise InvalidNormalsError(
+            f"normals must not have length 0: row {row} has ({len(zero)} in all)", ("normals", row)
+        )
+    n = n / longest
+    return np.asarray(n / np.linalg.norm(n, axis=1, keepdims=True))
+
+
+def extent(centred: FloatArray, x: FloatArray) -> float:
+    """Return the largest coordinate of centred points, or refuse points that are all equal or too large.
+
+    In place of all points, the corners of their box will do.
+    """
+    largest, size = float(np.abs(x).max()), float(np.abs(centred).max())
+    if not np.isfinite(size) or size > 1e150:
+        raise InvalidPointsError(f"points are too large to compute with: {largest:.3g}", ("points",))
+    if size <= 4.0 * np.finfo(float).eps * largest or size < 1e-150:
+        raise InvalidPointsError("all points are equal", ("points",))
+    return size
+
+
+def rank(R: FloatArray, extent: float, largest: float) -> int:
+    """Return the dimension of the affine hull, to rounding; refuse 0 and 1.
+
+    `R` is the triangular factor of the centred points over their `extent`, from which the principal extents come
+    without any square; `largest` is the largest raw coordinate.
+    """
+    spread = np.linalg.svd(R, compute_uv=False)
+    tolerance = max(FLATNESS, 16.0 * np.finfo(float).eps * largest / extent)
+    dimension = int(np.count_nonzero(spread > tolerance * spread[0]))
+    if dimension < 2:
+        raise InvalidPointsError("all points lie on one line", ("points",))
+    return dimension

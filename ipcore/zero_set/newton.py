@@ -1,0 +1,83 @@
+"""Vertices of an extracted mesh moved onto f = 0 by Newton's method, and their normals."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ipcore._threads import by_rows
+from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.zero_set.mesh import Mesh, cell_vectors
+
+# At 96³ and degree 12, marching cubes leaves a median |f|/‖∇f‖ of 1e-4 mean radii and at worst 1e-3; the steps take
+# these to 7e-9 and 5e-6, 4e-16 and 1e-10, 1e-16 and 4e-15.
+STEPS = 3
+# A vertex stays after a step shorter than this many grid steps h: what is left of the way is κh/2 · 1e-14 h, κ being
+# the curvature.
+STILL = 1e-7
+
+
+def polish(
+    mesh: Mesh, polynomial: ImplicitPolynomial, bounds: FloatArray, spacing: float, threads: int | None = None
+) -> Mesh:
+    """Return the mesh after a few steps v ← v − f g/‖g‖², g = ∇f without the coordinates that a wall holds.
+
+    No step is longer than half a `spacing` of the grid (raw), none leaves the bounds (2, d), and none flips a cell:
+    where one would (near singular points), its vertices stay.
+    """
+    v, moving = mesh.vertices, np.flatnonzero(~mesh.held.all(axis=1))
+    for _ in range(STEPS):
+        x = v.take(moving, axis=0)
+        step = by_rows(partial(_step, polynomial, x, mesh.held.take(moving, axis=0)), len(x), threads)
+        length = np.sqrt(np.einsum("vk,vk->v", step, step))
+        step *= (0.5 * spacing / np.maximum(length, 0.5 * spacing))[:, None]
+        moved = v.copy()
+        moved[moving] = np.clip(x + step, *bounds)
+        v = _unflipped(v, moved, _touching(mesh.cells, moving, len(v)), threads)
+        moving = moving[length > STILL * spacing]
+    return replace(mesh, vertices=v)
+
+
+def unit_normals(
+    mesh: Mesh, polynomial: ImplicitPolynomial, bounds: FloatArray, threads: int | None = None
+) -> FloatArray:
+    """Return ∇f/‖∇f‖ at the vertices (V, d), or within a cap the outward normal of its walls; 0 where ∇f vanishes."""
+    direction = by_rows(lambda part: polynomial.gradient(mesh.vertices[part]), len(mesh.vertices), threads)
+    within = mesh.held.all(axis=1)
+    wall = mesh.vertices[within]
+    direction[within] = (wall == bounds[1]).astype(float) - (wall == bounds[0])
+    length = np.sqrt(np.einsum("vk,vk->v", direction, direction))[:, None]
+    return np.asarray(np.divide(direction, length, out=np.zeros_like(direction), where=length > 0.0))
+
+
+def _step(polynomial: ImplicitPolynomial, x: FloatArray, held: BoolArray, part: slice) -> FloatArray:
+    """Return the Newton steps at some of x (n, d), 0 along what is held (n, d) and where the gradient vanishes."""
+    f, g = polynomial.value_and_gradient(x[part])
+    g = np.where(held[part], 0.0, g)
+    square = np.einsum("vk,vk->v", g, g)
+    return np.asarray(g * np.divide(-f, square, out=np.zeros_like(f), where=square > 0.0)[:, None])
+
+
+def _touching(cells: IntArray, some: IntArray, vertices: int) -> IntArray:
+    """Return the cells that have one of some vertices."""
+    mark = np.zeros(vertices, dtype=bool)
+    mark[some] = True
+    return cells[np.logical_or.reduce([mark[corner] for corner in cells.T])]
+
+
+def _unflipped(before: FloatArray, moved: FloatArray, cells: IntArray, threads: int | None) -> FloatArray:
+    """Return the moved vertices (V, d), put back where one of the cells would turn over, till none does."""
+    while True:
+        turn = by_rows(partial(_turn, before, moved, cells), len(cells), threads)
+        back = np.unique(cells[turn < 0.0])
+        back = back[(moved[back] != before[back]).any(axis=1)]
+        if not len(back):
+            return moved
+        moved[back] = before[back]
+        cells = _touching(cells, back, len(moved))
+
+
+def _turn(before: FloatArray, after: FloatArray, cells: IntArray, part: slice) -> FloatArray:
+    """Return the product of some cells' normals before and after, negative where one turns over."""
+    return np.asarray(np.einsum("ck,ck->c", cell_vectors(before, cells[part]), cell_vectors(after, cells[part])))

@@ -1,0 +1,192 @@
+"""The zero set of a polynomial in a box: its cells, polished onto it, and the evidence that it is quiet."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipcore._threads import by_rows
+from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore.errors import InvalidOptionsError, InvalidPointsError
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.zero_set.extraction import extract, extract_pruned
+from ipcore.zero_set.mesh import SEGMENT, Mesh, cell_middles, cell_vectors, chains, labels
+from ipcore.zero_set.newton import polish, unit_normals
+from ipcore.zero_set.support import remoteness
+
+# Grid points along the longest axis. At degree 12 these take 0.01 s and 0.1 s, and leave the length of a bumpy circle
+# 1e-5 and the area of a bumpy sphere 4e-4 short.
+RESOLUTION = {2: 256, 3: 96}
+DENSE = 1 << 21  # nodes of a grid up to which pruning does not pay
+FEWEST = 4  # grid points per axis
+
+
+@dataclass(frozen=True, eq=False)
+class ZeroSet:
+    """Segments (2D) or triangles (3D) on f = 0, and what is known of the whole zero set in the box.
+
+    Attributes
+    ----------
+    vertices
+        (V, d), raw.
+    cells
+        (C, d), indices of vertices: segments with the inside (f < 0) on the left, or triangles that are
+        counter-clockwise seen from outside.
+    normals
+        (V, d), ∇f/‖∇f‖ at the vertices; within a cap the outward normal of the wall; zero where ∇f vanishes.
+    components
+        How many connected components the whole zero set has in the box, before any restriction and without caps.
+    stray
+        The share of its length or area that is beyond the support radius of the data (see `support`); 1 if there is
+        no zero set at all, None if no data were given.
+
+    """
+
+    vertices: FloatArray
+    cells: IntArray
+    normals: FloatArray
+    components: int
+    stray: float | None
+
+    @property
+    def dimension(self) -> int:
+        """Return d, 2 or 3."""
+        return int(self.vertices.shape[1])
+
+    def polylines(self) -> list[FloatArray]:
+        """Return the chains of segments, each (n, 2), raw, inside on the left; a closed one repeats its first vertex.
+
+        Raises
+        ------
+        InvalidOptionsError
+            If the zero set is a surface, which has no chains.
+
+        """
+        if self.cells.shape[1] != SEGMENT:
+            raise InvalidOptionsError("only a zero set in 2D has polylines")
+        return [self.vertices[chain] for chain in chains(self.cells)]
+
+
+def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do with it
+    polynomial: ImplicitPolynomial,
+    bounds: FloatArray | None = None,
+    resolution: int | None = None,
+    *,
+    data: FloatArray | None = None,
+    restrict: bool = True,
+    cap: bool = True,
+    threads: int | None = None,
+) -> ZeroSet:
+    """Return the zero set f = 0 in a box.
+
+    Parameters
+    ----------
+    polynomial
+        f, negative inside.
+    bounds
+        (2, d), lower and upper corner of the box, raw; default: the polynomial's own bounds.
+    resolution
+        Grid points along the longest axis, at least 4; the other axes get as many as make the grid cells near-cubic.
+        Default 256 in 2D, 96 in 3D.
+    data
+        (N, d), raw points, at least 2, against which `stray` is measured.
+    restrict
+        Keep only the cells whose middle is within the support radius or the gap radius of the data, if these are given.
+    cap
+        Close the inside along the walls of the box where f = 0 leaves it. When restricting, a cap stays only if the
+        zero set stays along its whole rim.
+    threads
+        How many work on it; by default OMP_NUM_THREADS if set, else all cores. They change nothing beyond rounding.
+
+    Raises
+    ------
+    InvalidOptionsError
+        If the box is empty or not finite, the resolution less than 4, or f overflows in the box.
+    InvalidPointsError
+        If `data` are not (N, d), finite, N ≥ 2.
+
+    Examples
+    --------
+    The circle of radius 2 about the origin, length 4π = 12.566…:
+
+    >>> from ipcore import Frame
+    >>> frame = Frame(np.zeros(2), 1.0)
+    >>> box = np.array([[-3.0, -3.0], [3.0, 3.0]])
+    >>> circle = ImplicitPolynomial(2, np.array([-4.0, 0, 0, 1, 0, 1]), frame, box)
+    >>> curve = zero_set(circle)
+    >>> float(np.abs(np.linalg.norm(curve.vertices, axis=1) - 2.0).max()) < 1e-14
+    True
+    >>> ring, = curve.polylines()
+    >>> round(float(np.linalg.norm(np.diff(ring, axis=0), axis=1).sum()), 3)
+    12.566
+
+    """
+    axes = grid_lines(polynomial, bounds, resolution)
+    box = np.array([line[[0, -1]] for line in axes]).T
+    spacing = max(line[1] - line[0] for line in axes)
+    mesh = polish(_extracted(polynomial, axes, threads), polynomial, box, spacing, threads)
+    surface = ~mesh.cap
+    given = None if data is None else np.asarray(data, dtype=np.float64)
+    stray, dropped = (None, None) if given is None else _away(mesh, surface, given, threads)
+    kept = _kept(mesh, dropped if restrict else None, cap=cap)
+    part = mesh if kept.all() else mesh.keep(kept)
+    return ZeroSet(
+        part.vertices,
+        part.cells,
+        unit_normals(part, polynomial, box, threads),
+        _components(mesh.cells[surface], len(mesh.vertices)),
+        stray,
+    )
+
+
+def grid_lines(polynomial: ImplicitPolynomial, bounds: FloatArray | None, resolution: int | None) -> list[FloatArray]:
+    """Return the raw grid lines of each axis, as evenly spaced as whole numbers of them allow."""
+    d = polynomial.dimension
+    box = polynomial.bounds if bounds is None else np.asarray(bounds, dtype=np.float64)
+    count = RESOLUTION[d] if resolution is None else resolution
+    if box.shape != (2, d) or not np.isfinite(box).all() or not np.all(box[0] < box[1]):
+        raise InvalidOptionsError(f"bounds must be a lower and an upper corner of {d} coordinates", ("bounds",))
+    if count < FEWEST:
+        raise InvalidOptionsError(f"resolution must be at least {FEWEST}, not {count}", ("resolution",))
+    sides = box[1] - box[0]
+    counts = np.maximum(FEWEST, 1 + np.rint((count - 1) * sides / sides.max())).astype(int)
+    return [np.linspace(low, high, n) for (low, high), n in zip(box.T, counts, strict=True)]
+
+
+def _extracted(polynomial: ImplicitPolynomial, axes: list[FloatArray], threads: int | None) -> Mesh:
+    if np.prod([len(line) for line in axes]) > DENSE:
+        return extract_pruned(polynomial, axes, threads)
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = polynomial.on_grid(axes)
+    if not np.isfinite(values).all():
+        raise InvalidOptionsError("the polynomial overflows in this box; take smaller bounds", ("bounds",))
+    return extract(values, axes)
+
+
+def _away(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None) -> tuple[float, BoolArray]:
+    """Return the stray share, and which cells (C,) a restricted zero set leaves out."""
+    d = mesh.vertices.shape[1]
+    if data.shape[1:] != (d,) or len(data) <= 1 or not np.isfinite(data).all():
+        raise InvalidPointsError(f"data must be at least 2 finite points, shape (N, {d})", ("data",))
+    middle = by_rows(lambda part: cell_middles(mesh.vertices, mesh.cells[part]), len(mesh.cells), threads)
+    away = remoteness(middle, data, threads)
+    return _share(mesh, surface, away > 0), away > 1
+
+
+def _share(mesh: Mesh, surface: BoolArray, far: BoolArray) -> float:
+    """Return the share of the length or area of the surface cells that is far."""
+    size = np.linalg.norm(cell_vectors(mesh.vertices, mesh.cells), axis=1)
+    whole = float(size[surface].sum())
+    return float(size[surface & far].sum()) / whole if whole > 0.0 else 1.0
+
+
+def _components(cells: IntArray, vertices: int) -> int:
+    return len(np.unique(labels(cells, vertices)[cells]))
+
+
+def _kept(mesh: Mesh, dropped: BoolArray | None, *, cap: bool) -> BoolArray:
+    """Return the cells (C,) to keep: without the dropped ones, and with caps, if there is a surface to close."""
+    surface = ~mesh.cap
+    if dropped is None:
+        return np.full_like(surface, cap and bool(surface.any())) | surface
+    kept = surface & ~dropped
+    return kept | mesh.caps_round(kept) if cap else kept

@@ -1,0 +1,72 @@
+"""Parts that an embedded server and a cluster have alike."""
+
+import asyncio
+import os
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from uuid import uuid4
+
+from service.api.limits import Limits
+from service.formats.points.reader import PointSetReader
+from service.formats.zero_set.exporter import MeshExporter
+from service.jobs.fit import MAX_CRASHES, Holder
+from service.jobs.ports import BlobStore, FitQueue, FitStore
+from service.jobs.retention import Retention
+from service.jobs.use_cases import FitService
+from service.queue.runner import Runner, Tasks
+from service.settings import Settings
+from service.workers import tasks
+from service.workers.pool import WorkerPool
+
+
+@asynccontextmanager
+async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
+    """Yield a pool whose workers are warm."""
+    made = WorkerPool(size, settings.tasks_per_worker, settings.worker_memory, tries)
+    try:
+        await made.warm_up()
+        yield made
+    finally:
+        await asyncio.to_thread(made.close)
+
+
+@asynccontextmanager
+async def fitters(settings: Settings) -> AsyncIterator[WorkerPool]:
+    """Yield the workers that fit: a seat for each fit that may run at once."""
+    async with pool(settings, settings.workers + settings.short_workers) as made:
+        yield made
+
+
+def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: WorkerPool, *, publish: bool) -> Runner:
+    """Return what runs fits in these workers."""
+    name = f"{socket.gethostname()}-{os.getpid()}-{uuid4().hex[:8]}"
+    holder = Holder(name, settings.lease)
+    work = Tasks(tasks.fit, tasks.part, tasks.rest)
+    return Runner(store, blobs, workers, work, holder=holder, deadline=settings.fit_deadline, publish=publish)
+
+
+@asynccontextmanager
+async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue) -> AsyncIterator[FitService]:
+    """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
+    async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
+        reader = PointSetReader(clerks, settings.max_points, settings.mesh_deadline)
+        exporter = MeshExporter(clerks, settings.mesh_deadline)
+        yield FitService(store, blobs, queue, reader, exporter, split_points=settings.split_points)
+
+
+def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:
+    """Return what removes old fits, and in a data folder, which is one server's alone, what crashes left."""
+    alone = settings.database_url is None and settings.blobs_url is None
+    return Retention(store, blobs, settings.keep_seconds, settings.keep_bytes, alone=alone)
+
+
+def limits(settings: Settings) -> Limits:
+    """Return what one request may ask for."""
+    return Limits(
+        body_bytes=settings.max_body_bytes,
+        max_degree={2: settings.max_degree_2d, 3: settings.max_degree_3d},
+        resolution={2: settings.max_resolution_2d, 3: settings.max_resolution_3d},
+        system_bytes=settings.max_system_bytes,
+        wait=settings.max_wait,
+    )

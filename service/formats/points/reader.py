@@ -1,0 +1,50 @@
+"""Reading point sets off the event loop: a small body in a thread, a large one in a worker process."""
+
+import asyncio
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import ipcore
+from service.formats.points import decode
+from service.jobs.errors import InvalidInputError
+from service.jobs.fit import PointSet
+from service.jobs.ports import Workers
+
+
+@dataclass(frozen=True)
+class PointSetReader:
+    """The reader that the use cases are given.
+
+    Attributes
+    ----------
+    workers
+        Where large bodies are read.
+    max_points
+        More are refused.
+    deadline
+        Seconds that reading one may take.
+
+    """
+
+    workers: Workers
+    max_points: int
+    deadline: float
+
+    async def read(self, body: bytes | Path, kind: str) -> PointSet:
+        """Read and check a body of this kind."""
+        if isinstance(body, bytes):
+            return await asyncio.to_thread(decode.read, body, kind, self.max_points)
+        points: PointSet = await self.workers.run(decode.read, body, kind, self.max_points, deadline=self.deadline)
+        return points
+
+    def check(self, dimension: int, options: dict[str, Any]) -> None:
+        """Refuse options that contradict each other."""
+        try:
+            ipcore.FitOptions.of(**options).degree_cap(dimension)
+        except ipcore.InvalidOptionsError as error:
+            raise InvalidInputError(str(error), ("options", *error.at)) from error
+
+    def sums(self, options: dict[str, Any]) -> bool:
+        """Return whether a fit with these options can be made of moments, which are sums over its points."""
+        return ipcore.Moments.can_fit(ipcore.FitOptions.of(**options))

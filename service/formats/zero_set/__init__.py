@@ -1,0 +1,1 @@
+"""Zero sets out: meshes and curves as files."""

@@ -1,0 +1,169 @@
+"""The table of fits, on SQLite and on PostgreSQL alike."""
+
+import sqlite3
+from datetime import UTC, datetime
+from pathlib import Path
+from threading import Event, Lock
+
+from sqlalchemy import (
+    BigInteger,
+    Column,
+    DateTime,
+    Dialect,
+    Engine,
+    Float,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    create_engine,
+    event,
+)
+from sqlalchemy.pool import NullPool
+from sqlalchemy.types import TypeDecorator
+
+from service.jobs.fit import FitStatus
+from service.store.migrations import Part, prepare
+
+# A PostgreSQL that does not answer must not hold a request for minutes: seconds to connect, milliseconds for a
+# statement, and milliseconds until unanswered packets end a connection.
+PATIENCE = {
+    "connect_timeout": 5,
+    "tcp_user_timeout": 10_000,
+    "keepalives_idle": 5,
+    "keepalives_interval": 2,
+}
+OPTIONS = "-c statement_timeout=30000 -c idle_in_transaction_session_timeout=30000 -c synchronous_commit=on"
+
+
+class Moment(TypeDecorator[datetime]):
+    """A point in time with its zone; SQLite, which knows none, keeps it in UTC."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Return what the database takes."""
+        if value is None or dialect.name != "sqlite":
+            return value
+        return value.astimezone(UTC).replace(tzinfo=None)
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:  # noqa: ARG002 - theirs
+        """Return what the database gave, in UTC."""
+        if value is None:
+            return None
+        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
+
+
+class Status(TypeDecorator[FitStatus]):
+    """Where a fit is in its life, kept as its word."""
+
+    impl = String
+    cache_ok = True
+
+    def process_bind_param(self, value: FitStatus | None, dialect: Dialect) -> str | None:  # noqa: ARG002 - theirs
+        """Return what the database takes."""
+        return None if value is None else value.value
+
+    def process_result_value(self, value: str | None, dialect: Dialect) -> FitStatus | None:  # noqa: ARG002 - theirs
+        """Return what the database gave."""
+        return None if value is None else FitStatus(value)
+
+
+metadata = MetaData()
+fits = Table(
+    "fits",
+    metadata,
+    Column("id", String, primary_key=True),
+    Column("status", Status, nullable=False, index=True),
+    Column("input", String, nullable=False, index=True),
+    Column("dimension", Integer, nullable=False),
+    Column("points", Integer, nullable=False),
+    Column("options", LargeBinary, nullable=False),
+    Column("client", String, nullable=False),
+    Column("cost", Float, nullable=False),
+    Column("key", String, unique=True),  # any number of fits have none
+    Column("payload", String, nullable=False),
+    Column("created", Moment, nullable=False, index=True),
+    Column("started", Moment),
+    Column("finished", Moment, index=True),
+    Column("touched", Moment, nullable=False),  # when its status last changed
+    Column("holder", String),
+    Column("lease", Moment),  # until when the holder is believed without another word from it
+    Column("attempt", Integer, nullable=False, default=0),
+    Column("crashes", Integer, nullable=False, default=0),
+    Column("abandoned", Integer, nullable=False, default=0),
+    Column("size", BigInteger, nullable=False),  # bytes of input and result
+    Column("job", BigInteger, index=True),  # of the queue in the same database, if there is one
+    Column("progress", LargeBinary),
+    Column("result", LargeBinary),
+    Column("failure", LargeBinary),
+    # A part of a fit is a row like any other: what holds for fits, from leases to crashes, so holds for parts. Its
+    # result is in the row, too, and not in a blob: it is some hundreds of kilobytes, it counts in the transaction that
+    # ends the attempt, and it goes in the one that ends the fit, so that nothing can be left of it, on an S3 either.
+    Column("parts", Integer, nullable=False, default=0),
+    Column("unsummed", Integer, nullable=False, default=0),
+    Column("whole", String, index=True),
+    Column("slice", String),
+)
+# Whoever changes the table above adds a step that changes an older one in the same way, named after the release. Each
+# is one statement: SQLite takes no more at once.
+FITS = Part(
+    name="fits",
+    table="fits",
+    make=metadata.create_all,
+    steps={
+        "0.1.0": "",
+        "0.2.0 parts": "ALTER TABLE fits ADD COLUMN parts INTEGER NOT NULL DEFAULT 0",
+        "0.2.0 unsummed": "ALTER TABLE fits ADD COLUMN unsummed INTEGER NOT NULL DEFAULT 0",
+        "0.2.0 whole": "ALTER TABLE fits ADD COLUMN whole VARCHAR",
+        "0.2.0 whole, found": "CREATE INDEX ix_fits_whole ON fits (whole)",
+        "0.2.0 slice": "ALTER TABLE fits ADD COLUMN slice VARCHAR",
+    },
+    columns=frozenset(fits.columns.keys()),
+)
+
+
+def sqlite_engine(path: Path) -> Engine:
+    """Return an engine on a SQLite file in WAL mode that flushes every commit to disk, and make its tables."""
+    engine = create_engine(f"sqlite:///{path}")
+
+    @event.listens_for(engine, "connect")
+    def _durable(connection: sqlite3.Connection, _record: object) -> None:
+        cursor = connection.cursor()
+        for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=10000"):
+            cursor.execute(f"PRAGMA {pragma}")
+        cursor.close()
+
+    prepare(engine, [FITS])
+    return engine
+
+
+def postgres_engine(url: str, *queue: Part) -> Engine:
+    """Return an engine on a PostgreSQL database, which need not answer yet.
+
+    Before the first connection is used, the tables are made or brought up to date, and those of the queue.
+
+    Parameters
+    ----------
+    url
+        `postgresql://…`.
+    queue
+        The tables of a queue in the same database.
+
+    """
+    where = "postgresql+psycopg://" + url.partition("://")[2]
+    told = {**PATIENCE, "options": OPTIONS}
+    first = create_engine(where, connect_args=told, poolclass=NullPool)
+    engine = create_engine(where, connect_args=told, pool_pre_ping=True, pool_timeout=10, pool_size=10, max_overflow=10)
+    alone, prepared = Lock(), Event()
+
+    @event.listens_for(engine, "connect")
+    def _prepare(_connection: object, _record: object) -> None:
+        with alone:
+            if not prepared.is_set():
+                prepare(first, [FITS, *queue])
+                prepared.set()
+
+    return engine

@@ -1,0 +1,153 @@
+"""Fits that never hold M, against the block factorisation that does."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ipcore
+from ipcore import FitOptions, FitResult, Moments, StopReason, shapes
+from ipcore._typing import FloatArray
+from ipcore.errors import InvalidOptionsError
+from ipcore.linear.q_less import GOOD, QLessFit
+from ipcore.linear.row_source import ALONE, CORRECTED, DataRows
+from ipcore.points.oriented import OrientedPoints
+from ipcore.points.validation import check as check_points
+from ipcore.polynomial import graded
+
+SHAPES = {2: shapes.superellipse, 3: shapes.genus_two}
+
+
+def rough(d: int, count: int = 4000) -> tuple[FloatArray, FloatArray]:
+    """Return points that no polynomial meets, and their normals."""
+    points, normals = SHAPES[d]().sample(count)
+    return points + np.random.default_rng(0).normal(scale=0.02, size=points.shape), normals
+
+
+def fitted(points: FloatArray, normals: FloatArray, factor: str, **given: Any) -> FitResult:  # noqa: ANN401 - options
+    options: dict[str, Any] = {
+        "criterion": "none",
+        "geometric": False,
+        "measure_zero_set": False,
+        "factor": factor,
+    } | given
+    return ipcore.fit(points, normals, FitOptions.of(**options))
+
+
+@pytest.mark.parametrize("constraints", ["3l", "5l"])
+@pytest.mark.parametrize(("d", "degree"), [(2, 12), (3, 9)])
+def test_moments_give_the_fits_of_the_block_factorisation(d: int, degree: int, constraints: str) -> None:
+    points, normals = rough(d)
+    one, other = (
+        fitted(points, normals, factor, max_degree=degree, constraints=constraints) for factor in ("moments", "block")
+    )
+    for a, b in zip(one.steps, other.steps, strict=True):
+        # what squaring the condition leaves, down to where a refinement sets in
+        tolerance = max(1e-11, min(a.condition, GOOD) ** 2 * 1e-18)
+        assert (a.degree, a.columns) == (b.degree, b.columns)
+        assert a.d_dist == pytest.approx(b.d_dist, rel=tolerance)
+        assert a.d_smooth == pytest.approx(b.d_smooth, rel=tolerance)
+        assert a.gcv == pytest.approx(b.gcv, rel=max(1e-9, tolerance))
+    assert one.polynomial.basis == other.polynomial.basis
+
+
+def test_where_the_condition_is_too_bad_the_rows_themselves_are_factored() -> None:
+    points, normals = rough(2)
+    data = OrientedPoints.of(check_points(points, normals), 12)
+    options = FitOptions.of(factor="moments", criterion="none")
+
+    class Watched(DataRows):
+        """Counts what is asked for."""
+
+        asked: list[str] = []  # noqa: RUF012 - of this one test
+
+        def exact(self, degree: int) -> Any:  # noqa: ANN401 - as the one above
+            self.asked.append("exact")
+            return super().exact(degree)
+
+        def gradients(self, degree: int, A: FloatArray) -> Any:  # noqa: ANN401 - as the one above
+            self.asked.append("gradients")
+            return super().gradients(degree, A)
+
+    way = QLessFit(data, options, 20, Watched(data, options))
+    block = fitted(points, normals, "block", max_degree=20)
+    refined, factored = [], []
+    for step in block.steps:
+        Watched.asked.clear()
+        fit = way.raise_to(graded.count(2, step.degree))
+        assert fit is not None
+        f, expected = fit.polynomial(data.points), np.sqrt(step.rss / (3 * len(points)))
+        assert np.sqrt(np.mean(f**2)) < 3.0 * expected
+        assert fit.rss == pytest.approx(step.rss, rel=1e-6)
+        if "exact" in Watched.asked:
+            factored.append(fit.condition)
+        elif "gradients" in Watched.asked:
+            refined.append(fit.condition)
+    assert len(refined) == 1  # with all degrees above it that the triangle has
+    assert len(factored) == 1  # from then on it is there
+    assert GOOD < refined[0] < CORRECTED < factored[0]
+
+
+@pytest.mark.parametrize("factor", ["moments", "tsqr"])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"ridge": "full", "ridge_strength": 1e-3},
+        {"ridge": "selective", "collinear_tol": 1e-3, "ridge_strength": 1e-3},
+        {"collinear_tol": 1e-3},
+        {"granularity": "monomial", "max_degree": 5},
+        {"criterion": "gcv"},
+        {"criterion": "bic"},
+    ],
+    ids=lambda given: next(iter(given.items()))[0] + "=" + str(next(iter(given.items()))[1]),
+)
+def test_ridges_dropped_columns_and_criteria_are_those_of_the_block_factorisation(
+    factor: str, given: dict[str, Any]
+) -> None:
+    points, normals = rough(3, 2500)
+    one, other = (fitted(points, normals, name, **{"max_degree": 7} | given) for name in (factor, "block"))
+    assert (one.degree, one.stop_reason) == (other.degree, other.stop_reason)
+    for a, b in zip(one.steps, other.steps, strict=True):
+        assert (a.columns, a.dropped, a.ridged) == (b.columns, b.dropped, b.ridged)
+        assert (a.d_dist, a.gcv) == pytest.approx((b.d_dist, b.gcv), rel=1e-7)
+
+
+@pytest.mark.parametrize("constraints", ["3l+gradient", "gradient-one"])
+def test_rows_of_gradients_are_factored_in_chunks_too(constraints: str) -> None:
+    points, normals = rough(3, 6000)
+    one, other = (fitted(points, normals, name, max_degree=6, constraints=constraints) for name in ("tsqr", "block"))
+    for a, b in zip(one.steps, other.steps, strict=True):
+        assert a.d_dist == pytest.approx(b.d_dist, rel=1e-10)
+
+
+def test_columns_that_layers_of_an_algebraic_shape_explain_are_left_out() -> None:
+    points, normals = shapes.sphere().sample(6000)  # three spheres: degree 6 vanishes on all of them
+    for factor in ("moments", "tsqr"):
+        result = fitted(points, normals, factor, max_degree=7)
+        assert [step.dropped for step in result.steps] == [0, 0, 0, 0, 0, 1, 4]
+        assert result.diagnostics.distance_max < 1e-9
+
+
+def test_threads_change_nothing() -> None:
+    points, normals = rough(3, 20_000)
+    options = FitOptions.of(geometric=False, measure_zero_set=False, max_degree=6)
+    one, two = (ipcore.fit(points, normals, options, threads=threads) for threads in (1, 2))
+    np.testing.assert_allclose(one.polynomial.coefficients, two.polynomial.coefficients, rtol=1e-9, atol=1e-12)
+
+
+def test_what_needs_rows_is_refused_with_its_reason() -> None:
+    with pytest.raises(InvalidOptionsError, match="criterion loo needs the rows that factor tsqr does not keep"):
+        FitOptions.of(factor="tsqr", criterion="loo")
+    with pytest.raises(InvalidOptionsError, match="constraints min-max needs the rows"):
+        FitOptions.of(factor="moments", constraints="min-max")
+    with pytest.raises(InvalidOptionsError, match="take tsqr"):
+        FitOptions.of(factor="moments", constraints="gradient-one")
+
+
+def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
+    points, normals = rough(2)
+    result = Moments.of(points, normals, degree=30).fit(FitOptions.of(factor="moments", criterion="none"))
+    assert result.stop_reason is StopReason.ILL_CONDITIONED
+    assert max(step.condition for step in result.steps) <= ALONE
+    assert result.degree < 30
+    assert any("Moments alone" in warning for warning in result.warnings)

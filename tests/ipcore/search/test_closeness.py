@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+
+from ipcore import Constraints, FitOptions, fit_fixed, shapes
+from ipcore.points.oriented import PART, OrientedPoints
+from ipcore.points.validation import check
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.search.closeness import closeness, closenesses, moved, percentile
+from ipcore.search.criteria import distances_and_cosines
+
+EPS = np.finfo(float).eps
+
+
+def fits(count: int) -> tuple[OrientedPoints, list[ImplicitPolynomial]]:
+    points, normals = shapes.torus().sample(count)
+    data = OrientedPoints.of(check(points + 0.01 * np.random.default_rng(0).normal(size=points.shape), normals), 12)
+    options = FitOptions(measure_zero_set=False)
+    method = Constraints.THREE_LAYER
+    return data, [fit_fixed(data.points, data.normals, options, degree=n, method=method).polynomial for n in (2, 5, 3)]
+
+
+@pytest.mark.parametrize("count", [300, 2 * PART + 100])
+def test_several_polynomials_are_seen_in_one_pass(count: int) -> None:
+    data, polynomials = fits(count)
+    # of one frame, as those of a search are; theirs is the normalised one but for rounding
+    polynomials = [
+        ImplicitPolynomial(p.degree, p.coefficients, polynomials[0].frame, polynomials[0].bounds) for p in polynomials
+    ]
+    weights = np.random.default_rng(0).uniform(size=count)
+    for w in (None, weights):
+        for p, at in zip(polynomials, closenesses(polynomials, data, w), strict=True):
+            distances, cosines = distances_and_cosines(*p.value_and_gradient(data.points), data.normals)
+            assert at.d_dist == pytest.approx(np.average(distances, weights=w), rel=1e-12)
+            assert at.d_smooth == pytest.approx(np.average(cosines, weights=w), rel=1e-12)
+            assert at.farthest == pytest.approx(distances.max(), rel=1e-12)
+            assert closeness(p, data, w).d_dist == pytest.approx(at.d_dist, rel=1e-12)
+            assert percentile(p, data, 0.95) == pytest.approx(np.quantile(distances, 0.95), rel=1e-12)
+
+
+def test_what_a_change_of_basis_moves_is_seen_at_the_worst_point() -> None:
+    data, polynomials = fits(500)
+    p = polynomials[1]
+    q = p.to_chebyshev()
+    assert moved(p, p, data) == 0.0
+    shift = np.abs(p(data.points) - q(data.points)) / np.linalg.norm(q.gradient(data.points), axis=1)
+    assert moved(p, q, data) == pytest.approx(shift.max(), rel=1e-6, abs=EPS)

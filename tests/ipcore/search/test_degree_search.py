@@ -1,0 +1,177 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import ipcore
+from ipcore import Constraints, FitOptions, StopReason, shapes
+from ipcore._typing import FloatArray
+from ipcore.errors import InvalidOptionsError
+from ipcore.fitting import linear
+from ipcore.points.oriented import OrientedPoints
+from ipcore.points.validation import check as check_points
+from ipcore.polynomial import graded
+from ipcore.search.degree_search import DegreeSearch, stops
+from ipcore.search.fitter import Fitted
+from ipcore.search.stopping import LOOK_AHEAD, judge
+
+QUICK = FitOptions(measure_zero_set=False)
+
+
+def noisy(sigma: float, count: int = 400) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return clean points of a superellipse, the same with noise, and normals."""
+    points, normals = shapes.superellipse().sample(count)
+    return points, points + np.random.default_rng(0).normal(scale=sigma, size=points.shape), normals
+
+
+@pytest.mark.parametrize("criterion", ["gcv", "bic", "loo"])
+def test_on_noisy_points_a_criterion_finds_its_minimum_and_looks_a_little_further(criterion: str) -> None:
+    clean, points, normals = noisy(0.03)
+    options = FitOptions.of(criterion=criterion, measure_zero_set=False)
+    result = ipcore.fit(points, normals, options)
+    assert result.stop_reason is StopReason.CRITERION_MINIMUM
+    scores = [getattr(step, criterion) for step in result.steps]
+    best = int(np.argmin(scores))
+    assert result.degree == result.steps[best].degree == result.steps[-1].degree - LOOK_AHEAD
+    assert not any("criterion" in warning for warning in result.warnings)
+    # it is close to the best that any degree could do, seen from the clean points
+    errors = [
+        np.abs(ipcore.fit_fixed(points, normals, QUICK, degree=n).polynomial.distance(clean)).mean()
+        for n in range(1, 15)
+    ]
+    assert np.abs(result.polynomial.distance(clean)).mean() < 2.0 * min(errors)
+
+
+def test_only_what_was_asked_for_is_computed() -> None:
+    _, points, normals = noisy(0.03)
+    for criterion in ("distance", "gcv", "bic", "loo"):
+        step = ipcore.fit(points, normals, FitOptions.of(criterion=criterion, measure_zero_set=False)).steps[-1]
+        assert (step.bic is not None) == (criterion == "bic")
+        assert (step.loo is not None) == (criterion == "loo")
+
+
+def test_without_a_criterion_the_last_degree_is_the_answer() -> None:
+    points, normals = shapes.ellipse().sample(300)
+    result = ipcore.fit(points, normals, FitOptions.of(criterion="none", max_degree=5, measure_zero_set=False))
+    assert result.stop_reason is StopReason.DEGREE_REACHED
+    assert result.degree == 5
+    assert len(result.steps) == 5
+    assert result.diagnostics.d_dist == pytest.approx(result.steps[-1].d_dist, rel=1e-6)
+
+
+@pytest.mark.parametrize("family", Constraints)
+@pytest.mark.parametrize("granularity", ["form", "monomial"])
+def test_a_fixed_degree_is_what_the_search_has_at_that_degree(family: Constraints, granularity: str) -> None:
+    points, normals = shapes.superellipse().sample(300)
+    options = FitOptions.of(
+        constraints=family,
+        granularity=granularity,
+        criterion="none",
+        max_degree=5,
+        geometric=False,
+        measure_zero_set=False,
+    )
+    trace = ipcore.fit(points, normals, options).steps
+    fixed = ipcore.fit_fixed(points, normals, QUICK, degree=3, method=str(family))
+    (step,) = fixed.steps
+    same = next(s for s in trace if s.alpha == 10)
+    assert fixed.degree == step.degree == 3
+    assert fixed.options.constraints is family
+    assert step.d_dist == pytest.approx(same.d_dist, rel=1e-8)
+    assert step.rss == pytest.approx(same.rss, rel=1e-8)
+
+
+def test_a_fixed_degree_is_refused_when_it_cannot_be() -> None:
+    points, normals = shapes.circle().sample(20)
+    for degree, reason in ((0, "from 1 to 40"), (41, "from 1 to 40"), (5, "21 coefficients, more than 20 points")):
+        with pytest.raises(InvalidOptionsError, match=reason) as caught:
+            ipcore.fit_fixed(points, normals, degree=degree)
+        assert caught.value.at == ("degree",)
+    with pytest.raises(InvalidOptionsError, match="method must be 3l or"):
+        ipcore.fit_fixed(points, normals, degree=2, method="2l")
+
+
+def test_ridge_and_monomials_can_be_had_in_the_chebyshev_basis() -> None:
+    points, normals = shapes.torus().sample(800)
+    both = [
+        ipcore.fit_fixed(
+            points, normals, FitOptions.of(ridge="full", basis=basis, measure_zero_set=False), degree=6
+        ).polynomial
+        for basis in ("monomial", "chebyshev")
+    ]
+    assert [p.basis for p in both] == ["monomial", "chebyshev"]
+    x = points + 0.1 * normals
+    np.testing.assert_allclose(both[0](x), both[1](x), atol=1e-12)
+
+
+def test_a_search_needs_somewhere_to_look() -> None:
+    options = FitOptions()
+    data = OrientedPoints.of(check_points(*shapes.circle().sample(20)), 12)
+    search = DegreeSearch(data, options, linear(data, options, 1), judge(options))
+    with pytest.raises(ValueError, match="at least one stop"):
+        search.run([], None)
+
+
+def test_a_way_to_fit_can_be_plugged_in() -> None:
+    points, normals = shapes.ellipse().sample(200)
+    data = OrientedPoints.of(check_points(points, normals), 12)
+
+    class Halved:
+        """Fits linearly, then makes something else of it, as a refinement does: the same zero set from f/2."""
+
+        def __init__(self) -> None:
+            self._linear = linear(data, FitOptions(), 4)
+
+        def raise_to(self, alpha: int) -> Fitted:
+            step = self._linear.raise_to(alpha)
+            assert step is not None
+            return replace(step, polynomial=replace(step.polynomial, coefficients=step.polynomial.coefficients / 2.0))
+
+        def orthogonality_loss(self, columns: int) -> float | None:
+            return self._linear.orthogonality_loss(columns)
+
+    found = DegreeSearch(data, FitOptions(), Halved(), judge(FitOptions())).run([3, 6, 10, 15], None)
+    assert (found.step.degree, found.reason) == (2, StopReason.CRITERION_MET)
+    whole = ipcore.fit_fixed(points, normals, QUICK, degree=2, method="3l").polynomial
+    np.testing.assert_allclose(2.0 * found.fitted.polynomial(data.points), whole(points), atol=1e-13)
+
+
+@pytest.mark.parametrize("family", [Constraints.THREE_LAYER, Constraints.TAUBIN])
+def test_when_every_column_counts_as_collinear_nothing_is_fitted(family: Constraints) -> None:
+    points, normals = shapes.circle().sample(30)
+    options = FitOptions.of(
+        constraints=family, collinear_tol=1.0, max_degree=3, geometric=False, measure_zero_set=False
+    )
+    result = ipcore.fit(points, normals, options)
+    assert result.stop_reason is StopReason.MAX_DEGREE
+    assert result.steps[-1].dropped >= 9
+
+
+def test_stops_are_complete_forms_or_columns() -> None:
+    assert list(stops(3, 4, ipcore.Granularity.FORM)) == [4, 10, 20, 35]
+    assert list(stops(3, 2, ipcore.Granularity.MONOMIAL)) == list(range(2, 11))
+    assert [graded.degree_of(3, alpha) for alpha in (1, 4, 5, 10, 11)] == [0, 1, 2, 2, 3]
+
+
+def test_the_lowest_column_is_tried_even_with_few_points_and_then_no_more() -> None:
+    points, normals = shapes.circle().sample(12)
+    options = FitOptions.of(granularity="monomial", t1=0.0, measure_zero_set=False)
+    result = ipcore.fit(points, normals, options)
+    assert result.stop_reason is StopReason.TOO_FEW_POINTS
+    assert result.steps[-1].alpha == 12
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_points_on_a_plane_end_at_degree_one(preset: str) -> None:
+    flat = np.random.default_rng(0).uniform(-1.0, 1.0, (60, 3)) * [1.0, 1.0, 0.0]
+    result = ipcore.fit(flat, np.tile([0.0, 0.0, 1.0], (60, 1)), FitOptions.of(preset, measure_zero_set=False))
+    assert result.stop_reason is StopReason.PLANAR
+    assert result.degree == 1
+    assert np.abs(result.polynomial.distance(flat)).max() < 1e-9
+
+
+def test_it_is_told_whether_the_zero_set_is_bounded() -> None:
+    ellipse = ipcore.fit(*shapes.ellipse().sample(300), QUICK)
+    assert ellipse.diagnostics.bounded is True
+    cubic = ipcore.fit(*shapes.cubic().sample(300), FitOptions(measure_zero_set=False, t1=1e-9, max_degree=3))
+    assert cubic.diagnostics.bounded is False
