@@ -19,7 +19,8 @@ from ipcore.points.validation import check as check_points
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
-from ipcore.search.result import Diagnostics, FitResult, Step, StopReason
+from ipcore.search.result import Diagnostics, FitResult, Step
+from ipcore.search.stop_reason import StopReason
 from ipcore.zero_set.mesh import cell_vectors
 from ipcore.zero_set.mesh import labels as component_labels
 from ipcore.zero_set.support import gap_radius, support_radius

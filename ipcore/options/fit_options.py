@@ -208,6 +208,17 @@ class FitOptions:
         return self.criterion.needs_rows or family.rhs_depends_on_degree or not family.is_least_squares
 
     @property
+    def holds_design_matrix(self) -> bool:
+        """Return whether a linear fit with these options holds all rows and columns of M at once."""
+        return self.needs_rows or self.factor in {Factor.BLOCK, Factor.GRAM_SCHMIDT}
+
+    @property
+    def fits_from_moments(self) -> bool:
+        """Return whether a fit with these options can be made from moments alone: a linear fit to layers, without Q."""
+        by_rows = self.holds_design_matrix or self.factor is Factor.TSQR
+        return self.is_linear and not by_rows and bool(self.layer_offsets)
+
+    @property
     def _needs_linear(self) -> bool:
         """Whether an option is given that only a linear fit has."""
         return (
