@@ -12,7 +12,8 @@ from ipcore.errors import (
 from ipcore.fitting import fit, fit_fixed
 from ipcore.moments import Moments
 from ipcore.options.choices import Collinear, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
-from ipcore.options.fit_options import DEFAULT_MAX_DEGREE, HIGHEST_DEGREE, FitOptions
+from ipcore.options.degrees import DEFAULT_MAX_DEGREE, HIGHEST_DEGREE
+from ipcore.options.fit_options import FitOptions
 from ipcore.points.normals import NormalSource, estimate_normals
 from ipcore.points.validation import PointSet
 from ipcore.points.validation import check as check_points

@@ -15,8 +15,10 @@ from ipcore.linear.dense import LeastSquaresFit
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import DataRows
 from ipcore.linear.taubin import TaubinFit
-from ipcore.options.choices import Criterion, Granularity, chosen, integer
-from ipcore.options.fit_options import HIGHEST_DEGREE, FitOptions
+from ipcore.options.choices import Criterion, Granularity, member
+from ipcore.options.degrees import HIGHEST_DEGREE
+from ipcore.options.fit_options import FitOptions
+from ipcore.options.ranges import check_integer
 from ipcore.points import validation
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.stream import PointStream, spooled, streamed
@@ -127,7 +129,7 @@ def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
     with using(threads):
         checked = _checked(points, normals)
         count, dimension = checked.points.shape
-        integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
+        check_integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
         columns = graded.count(dimension, degree)
         if columns > count:
             raise InvalidOptionsError(
@@ -135,7 +137,7 @@ def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
             )
         options = replace(options or FitOptions(), max_degree=degree, criterion=Criterion.NONE)
         if method is not None:
-            family = chosen("method", method, Constraints)
+            family = member("method", method, Constraints)
             options = replace(options, constraints=family, signs=False, geometric=False)
         return _search(checked, options, [columns], progress)
 

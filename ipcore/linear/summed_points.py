@@ -14,8 +14,9 @@ from ipcore._typing import FloatArray
 from ipcore.constraints.families import LAYERED_NAMES
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.linear.layer_moments import LayerMoments
-from ipcore.options.choices import integer
-from ipcore.options.fit_options import HIGHEST_DEGREE, FitOptions
+from ipcore.options.degrees import HIGHEST_DEGREE
+from ipcore.options.fit_options import FitOptions
+from ipcore.options.ranges import check_integer
 from ipcore.points import validation
 from ipcore.points.sample import Sample
 from ipcore.polynomial.frame import Frame
@@ -87,7 +88,7 @@ class SummedPoints:
             else validation.matrix("points", points, InvalidPointsError)
         )
         validation.check_shape(x.shape)
-        integer("degree", degree, 1, HIGHEST_DEGREE[x.shape[1]])
+        check_integer("degree", degree, 1, HIGHEST_DEGREE[x.shape[1]])
         empty = LayerMoments.empty(x.shape[1], degree, offsets)
         start = cls(frame or Frame.of(x), empty, np.stack([x.min(axis=0), x.max(axis=0)]), Sample.empty(x.shape[1]))
         return start.extended(x, normals, threads=threads)
