@@ -65,6 +65,31 @@ class ZeroSet:
             raise InvalidOptionsError("only a zero set in 2D has polylines")
         return [self.vertices[chain] for chain in chains(self.cells)]
 
+    def cell_normals(self) -> FloatArray:
+        """Return the outward normals of the cells (C, d), each as long as its segment or as large as its triangle.
+
+        So the norms of the rows add up to the length of a curve (raw units) or the area of a surface (raw units²).
+        """
+        return cell_vectors(self.vertices, self.cells)
+
+    def vertex_components(self) -> IntArray:
+        """Return the number of the connected component in which each vertex lies, (V,), from 0.
+
+        Cells are connected if they share a vertex. A vertex of no cell is a component of its own.
+
+        >>> two = ZeroSet(np.zeros((5, 2)), np.array([[0, 1], [1, 2], [3, 4]]), np.zeros((5, 2)), 2, None)
+        >>> two.vertex_components().tolist()
+        [0, 0, 0, 1, 1]
+        """
+        return labels(self.cells, len(self.vertices))
+
+    def cells_near(self, data: FloatArray) -> BoolArray:
+        """Return which cells have their middle within the support or the gap radius of the data (N, d), raw: (C,).
+
+        These are the cells that a zero set restricted to the data keeps, but for caps.
+        """
+        return remoteness(cell_middles(self.vertices, self.cells), data) <= 1
+
 
 def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do with it
     polynomial: ImplicitPolynomial,
