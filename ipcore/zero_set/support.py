@@ -34,6 +34,19 @@ HALF = 0.501  # of a bin: a little more, for rounding …
 SMALLEST = 1e-9  # … which must be far less than a bin: so the least size of one, against the coordinates
 
 
+def support_radius_of(dimension: int, scale: float, spacing: float) -> float:
+    """Return the distance from data beyond which a zero set is stray, in the unit of `scale` and `spacing`.
+
+    This is the one definition of stray; `scale` is the mean radius of the data, `spacing` that of the points. Only the
+    spacing is estimated in two ways: here by the distance to the nearest other point, in `geometric.violations` by the
+    areas for which the points stand.
+
+    >>> support_radius_of(2, 10.0, 1.0), support_radius_of(3, 10.0, 0.1)
+    (2.5, 1.2)
+    """
+    return max(SUPPORT_RADII[dimension] * scale, SUPPORT_SPACINGS * spacing)
+
+
 def support_radius(data: FloatArray, scale: float) -> float:
     """Return the distance, raw, within which data (N, d) support a zero set.
 
@@ -139,7 +152,8 @@ def _spacings(tree: cKDTree, threads: int | None) -> FloatArray:
 
 
 def _support_radius(spacings: FloatArray, d: int, scale: float) -> float:
-    return max(SUPPORT_RADII[d] * scale, SUPPORT_SPACINGS * float(np.median(spacings[:, 0])))
+    """Return the support radius, the spacing being the median distance to the nearest other point, `spacings[:, 0]`."""
+    return support_radius_of(d, scale, float(np.median(spacings[:, 0])))
 
 
 def _gap_radius(spacings: FloatArray) -> float:
