@@ -19,10 +19,14 @@ from ipcore.geometric.levenberg_marquardt import Effort, Refined
 from ipcore.geometric.sign_constraints import BOUNDS_GROWTH, SignNodes, SignPoints
 from ipcore.geometric.violations import ViolationGrid, Violations
 from ipcore.polynomial import evaluation
+from ipcore.zero_set.stray import STRAY_RESOLUTION
 
 # Lines per axis of the grids on which violations are looked for, and by what factor the bounds are grown. The first is
-# as fine as the grid by which the result's stray share is measured, so that the two agree; the second is finer.
-GRIDS = {2: ((240, 1.0), (501, BOUNDS_GROWTH)), 3: ((88, 1.0), (129, BOUNDS_GROWTH))}
+# as fine as the grid on which the result's stray share is measured, so that the two agree; the second is finer.
+GRIDS = {
+    2: ((STRAY_RESOLUTION[2], 1.0), (501, BOUNDS_GROWTH)),
+    3: ((STRAY_RESOLUTION[3], 1.0), (129, BOUNDS_GROWTH)),
+}
 # Tuned on the shapes of bench/QUALITY.md, see `ipcore.geometric.fit`.
 CUT_WEIGHT = 0.02  # of each cut, against a mean squared distance
 NODES_FACTOR = 3.0  # by which the weight of all nodes grows when there is a violation

@@ -131,7 +131,7 @@ def test_nodes_on_the_zero_set_collapse_no_cell(p: ImplicitPolynomial, bounds: F
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("seed", range(4))
-def test_polishing_flips_nothing(dimension: int, seed: int) -> None:
+def test_newton_steps_flip_nothing(dimension: int, seed: int) -> None:
     p = bumpy(dimension, seed)
     z = zero_set(p, resolution=48, cap=False)
     vectors = z.cell_normals()
@@ -143,7 +143,7 @@ def test_polishing_flips_nothing(dimension: int, seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_polishing_flips_nothing_where_the_grid_is_far_too_coarse(seed: int) -> None:
+def test_newton_steps_flip_nothing_where_the_grid_is_far_too_coarse(seed: int) -> None:
     p = bumpy(3, seed, height=2.0)
     axes = [np.linspace(low, high, 24) for low, high in p.bounds.T]
     rough = extract(p.on_grid(axes), axes)
@@ -197,7 +197,7 @@ def test_without_caps_the_surface_stays_open_and_its_rim_on_the_wall() -> None:
     assert np.abs(np.linalg.norm(rim, axis=1) - 1.0).max() < 1e-12
 
 
-def test_a_box_that_cuts_the_disc_gets_caps_round_its_corner() -> None:
+def test_a_box_that_cuts_the_disc_gets_caps_around_its_corner() -> None:
     bounds = np.array([[0.0, 0.0], [1.5, 1.5]])
     z = zero_set(CIRCLE, bounds)
     (outline,) = z.polylines()
@@ -293,7 +293,7 @@ def test_restriction_keeps_a_cap_only_if_its_rim_stays(whole: bool) -> None:  # 
 
 
 @pytest.mark.parametrize(("count", "expected"), [(1000, SUPPORT_RADII[2]), (12, 2.5 * 2.0 * np.sin(np.pi / 12))])
-def test_near_is_a_share_of_the_radius_or_some_spacings(count: int, expected: float) -> None:
+def test_the_support_radius_is_a_share_of_the_mean_radius_or_some_spacings(count: int, expected: float) -> None:
     data = ring(count)
     assert support_radius(data, 1.0) == pytest.approx(expected, rel=1e-12)
     assert support_radius(37.0 * data + 1000.0, 37.0) == pytest.approx(37.0 * expected, rel=1e-12)
