@@ -1,1 +1,1 @@
-"""What is fitted: points checked, read in pieces, sampled, given normals, oriented."""
+"""The data of a fit: points that are validated, streamed, sampled, given normals and oriented."""

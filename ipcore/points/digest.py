@@ -1,4 +1,4 @@
-"""What a fit's input is known by: the SHA-256 of its points and normals."""
+"""The digest by which a fit's input is identified: the SHA-256 of its points and normals."""
 
 import hashlib
 
@@ -8,7 +8,7 @@ from ipcore._typing import FloatArray
 
 
 class Digest:
-    """The SHA-256 of arrays, each its shape, then little-endian doubles in C order, taken in pieces.
+    """The SHA-256 of arrays that are given row by row: of each its shape, then little-endian doubles in C order.
 
     >>> digest = Digest((2, 2))
     >>> digest.update(np.zeros((1, 2)))
@@ -27,16 +27,16 @@ class Digest:
         self._hash.update(repr(shape).encode())
 
     def update(self, rows: FloatArray) -> None:
-        """Take the next rows of the array."""
+        """Add the next rows (n, …) of the array."""
         self._hash.update(np.ascontiguousarray(rows, dtype="<f8").data)
 
     def hexdigest(self) -> str:
-        """Return the digest so far."""
+        """Return the digest of everything so far, 64 hexadecimal digits."""
         return self._hash.hexdigest()
 
 
 def sha256(*arrays: FloatArray | None) -> str:
-    """Return the digest of whole arrays; None is left out."""
+    """Return the digest of whole arrays, of any shape; None is left out."""
     given = [array for array in arrays if array is not None]
     digest = Digest(given[0].shape)
     digest.update(given[0])

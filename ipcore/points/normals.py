@@ -1,9 +1,9 @@
-"""Outward unit normals for points that came without: from the order of an outline, or from the nearest neighbours.
+"""Outward unit normals of points, estimated from the order of an outline or from the nearest neighbours.
 
-Along an outline the tangent is the weighted mean of the nearest steps, and the normal is at right angles to it. Points
-without an order get the normals of planes fitted to their neighbours, made consistent along a minimum spanning tree
-(Hoppe, DeRose, Duchamp, McDonald and Stuetzle 1992). Either way every connected piece is then turned outward, and
-pieces inside an odd number of others (holes) once more, so that all normals point out of the material.
+2D points in the order of an outline get normals at right angles to the steps around them (see `outline`). Other points
+get the normals of lines or planes fitted to their neighbours, with signs made consistent along a minimum spanning tree
+(Hoppe, DeRose, Duchamp, McDonald and Stuetzle 1992). In both cases the normals of every connected piece are then turned
+outward, and those of pieces inside an odd number of others (holes) inward, so that all point out of the material.
 """
 
 from enum import StrEnum
@@ -21,9 +21,12 @@ from ipcore.points.orientation import outward_signs
 from ipcore.points.outline import is_outline, outline_normals
 from ipcore.points.winding import NEIGHBOURS, areas_within
 
-LIGHT = 0.3  # of the edges, some two per point: they connect nearly all, and sorting them takes a third of the time
-MIX = (1.0, np.sqrt(2.0), np.sqrt(3.0))  # weights of coordinates, whose sums differ if points do, but for a rare chance
-SAMPLE = 100_000  # edges by which that share is told
+# The share of the edges, those with the least weights, from which a first forest is made: some two edges per point,
+# which connect nearly all points, and to sort these takes a third of the time.
+LIGHT_EDGES = 0.3
+WEIGHTED_EDGES = 100_000  # of which the quantile of that share is taken
+# Weights of coordinates. Points that differ have different weighted sums, but for rare coincidences.
+MIXING_WEIGHTS = (1.0, np.sqrt(2.0), np.sqrt(3.0))
 
 Graph = csr_array[np.float64, tuple[int, int]]
 
@@ -37,9 +40,10 @@ class NormalSource(StrEnum):
 
 
 def orient(points: FloatArray, neighbours: int = 12) -> tuple[FloatArray, NormalSource]:
-    """Return normals for points without any, and how they were found: from the order if 2D points run along an outline.
+    """Return outward unit normals (N, d) of points (N, d), and how they were found.
 
-    Parameters and errors are those of `estimate_normals`.
+    They come from the order of the points if these are 2D and run along an outline, else from the neighbours. The
+    parameters and errors are those of `estimate_normals`.
 
     >>> turn = 2 * np.pi * np.arange(60) / 60
     >>> normals, source = orient(np.column_stack([np.cos(turn), np.sin(turn)]))
@@ -56,21 +60,22 @@ def estimate_normals(points: FloatArray, neighbours: int = 12) -> FloatArray:
     """Return outward normals estimated from the nearest neighbours, whatever the points' order.
 
     Each normal is the direction in which the point and its neighbours spread least. The signs agree along the edges of
-    the minimum spanning tree of the neighbour graph, whose weights prefer edges between parallel planes that stay in
-    both: 1 − |nᵢ·nⱼ| + max(|nᵢ·e|, |nⱼ·e|)², e the edge's direction. The second term is ours: it keeps the tree from
-    crossing a thin part, where the planes are parallel too (outward on 27 sets: 93.1 % without it, 96.5 % with it;
-    with 1 % noise 92.2 and 93.6 %).
+    the minimum spanning tree of the neighbour graph. The weight of an edge is small between parallel planes if the edge
+    lies in both: 1 − |nᵢ·nⱼ| + max(|nᵢ·e|, |nⱼ·e|)², e the edge's direction. The second term is ours: it keeps the tree
+    from crossing a thin part, where the planes are parallel too (outward normals on 27 sets: 93.1 % without it, 96.5 %
+    with it; with 1 % noise 92.2 and 93.6 %).
 
     Parameters
     ----------
     points
         (N, d), in any unit of length. Repeated points share one normal.
     neighbours
-        How many, at least 3, beside the point itself. More withstand more noise; fewer keep thin parts apart.
+        How many neighbours a normal is estimated from, at least 3, without the point itself. With more of them noise
+        matters less; with fewer, thin parts stay apart.
 
     Returns
     -------
-        (N, d), unit. For points on a plane or a line the side is arbitrary, but the same everywhere.
+        (N, d), unit. For points on a plane or a line the sign is arbitrary, but the same everywhere.
 
     Raises
     ------
@@ -106,6 +111,7 @@ def estimate_normals(points: FloatArray, neighbours: int = 12) -> FloatArray:
 
 
 def _check(points: FloatArray, neighbours: int) -> None:
+    """Raise if the points are not (N, 2) or (N, 3), or the neighbours less than 3."""
     if neighbours < 3:
         raise InvalidOptionsError(f"neighbours must be at least 3, not {neighbours}", ("neighbours",))
     if points.ndim != 2 or points.shape[1] not in (2, 3):
@@ -113,49 +119,53 @@ def _check(points: FloatArray, neighbours: int) -> None:
 
 
 def _distinct(points: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the distinct points, and which of them each point is.
+    """Return the distinct points (n, d), and for each of the points (N, d) the number of its distinct point, (N,).
 
-    They come in the order of a tree's leaves: what is asked for next then mostly is in the cache.
+    They come in the order of a tree's leaves, so that the neighbours of one and the next are mostly in the cache.
     """
     p, copies = points, np.arange(len(points))
-    mixed = np.sort(sum(weight * x for weight, x in zip(MIX, points.T, strict=False)))
-    if not mixed[:-1].size or (mixed[1:] == mixed[:-1]).any():  # or else no two points are equal
+    mixed = np.sort(sum(weight * x for weight, x in zip(MIXING_WEIGHTS, points.T, strict=False)))
+    if not mixed[:-1].size or (mixed[1:] == mixed[:-1]).any():  # if all sums differ, so do the points
         p, inverse = np.unique(points, axis=0, return_inverse=True)
         copies = inverse.ravel()
     order = cKDTree(p).indices
-    place = np.empty_like(order)
-    place[order] = np.arange(len(p))
-    return p[order], place[copies]
+    number = np.empty_like(order)
+    number[order] = np.arange(len(p))
+    return p[order], number[copies]
 
 
 def _planes(p: FloatArray, part: slice, near: IntArray) -> FloatArray:
-    """Return the unit normals of the planes through the neighbourhoods of some points, of either sign."""
+    """Return the unit normals (n, d), of either sign, of the planes fitted to n points and the neighbours of each.
+
+    `p` (N, d) are all points, `part` the slice of the n points, `near` (n, k) their neighbours.
+    """
     X = np.concatenate([p[part, None], p[near]], axis=1)
     X -= X.mean(axis=1, keepdims=True)
     return np.asarray(np.linalg.eigh(np.swapaxes(X, 1, 2) @ X)[1][:, :, 0])
 
 
 def _weights(p: FloatArray, normals: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
-    """Return the weights of edges from points i to points j."""
+    """Return the weights (E,) of edges from points i (E,) to points j (E,), see `estimate_normals`, plus 1."""
     e = p[j] - p[i]
     e /= np.sqrt(np.einsum("ed,ed->e", e, e))[:, None]
     n, m = normals[i], normals[j]
     leaves = np.maximum(np.abs(np.einsum("ed,ed->e", e, n)), np.abs(np.einsum("ed,ed->e", e, m)))
-    # 2 instead of 1: the tree is the same, and no weight is 0, which csgraph reads as no edge
+    # 2 in place of 1: the tree is the same, and no weight is 0, which csgraph reads as no edge
     return np.asarray(2.0 - np.abs(np.einsum("ed,ed->e", n, m)) + leaves**2)
 
 
 def _spanning_forest(p: FloatArray, normals: FloatArray, near: IntArray, r: FloatArray) -> Graph:
     """Return a minimum spanning tree of each component of the neighbour graph, (N, N).
 
-    Sorting edges takes the time. So the lighter ones are used first, and of the others only those whose ends these do
-    not connect: no other can be in the tree.
+    `near` and `r` (N, k) are the neighbours of each point and their distances. Most of the time is spent on sorting the
+    edges. So a forest is made of the light ones first, and only those other edges are used whose ends it does not
+    connect: no other edge can be in the tree.
     """
     N = len(near)
-    once = (r >= r[near, -1]) | (np.arange(N)[:, None] < near)  # else the neighbour has this edge, too
+    once = (r >= r[near, -1]) | (np.arange(N)[:, None] < near)  # else it is also an edge of the neighbour
     i, j = np.nonzero(once)[0], near[once]
     weight = by_rows(lambda part: _weights(p, normals, i[part], j[part]), len(i))
-    light = weight <= np.quantile(weight[:: 1 + len(weight) // SAMPLE], LIGHT)
+    light = weight <= np.quantile(weight[:: 1 + len(weight) // WEIGHTED_EDGES], LIGHT_EDGES)
     forest = _tree(weight[light], i[light], j[light], N)
     label = connected_components(forest, directed=False)[1]
     rest = label[i] != label[j]
@@ -164,21 +174,25 @@ def _spanning_forest(p: FloatArray, normals: FloatArray, near: IntArray, r: Floa
 
 
 def _tree(weight: FloatArray, i: IntArray, j: IntArray, N: int) -> Graph:
+    """Return the minimum spanning forest (N, N) of edges from i (E,) to j (E,) with weights (E,)."""
     return csr_array(minimum_spanning_tree(coo_array((weight, (i, j)), shape=(N, N)).tocsr()))
 
 
 def _agreement(tree: Graph, normals: FloatArray) -> FloatArray:
-    """Return the signs (N,) that make normals agree along the trees' edges."""
+    """Return the signs (N,) by which the normals (N, d) must be multiplied to agree along the trees' edges.
+
+    The sign of a point is the product of the signs of nᵢ·nⱼ along the edges from it to the root of its tree.
+    """
     N = len(normals)
     roots = np.unique(connected_components(tree, directed=False)[1], return_index=True)[1]
     i, j = tree.nonzero()
     row, column = np.append(np.full(len(roots), N), i).astype(np.intp), np.append(roots, j).astype(np.intp)
-    joined = coo_array((np.ones(len(row)), (row, column)), shape=(N + 1, N + 1)).tocsr()  # node N joins the trees
+    joined = coo_array((np.ones(len(row)), (row, column)), shape=(N + 1, N + 1)).tocsr()  # node N is above all roots
     parent = breadth_first_order(joined, N, directed=False)[1]
     parent[N] = N
     padded = np.vstack([normals, np.zeros(normals.shape[1])])
     sign = np.where((padded * padded[parent]).sum(axis=1) < 0.0, -1.0, 1.0)
-    while (parent != N).any():  # each round doubles how far back the product of signs reaches
+    while (parent != N).any():  # each round doubles the number of edges in the product
         sign *= sign[parent]
         parent = parent[parent]
     return sign[:N]

@@ -1,4 +1,4 @@
-"""The data as the fit sees it: normalised, oriented, boxed."""
+"""The data of a fit: points in the normalised frame, with unit outward normals and the bounds of the fit."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ import numpy as np
 from ipcore._typing import FloatArray
 from ipcore.points import winding
 from ipcore.points.normals import NormalSource, orient
-from ipcore.points.sample import SIZE, Sample
+from ipcore.points.sample import SAMPLE_SIZE, Sample
 from ipcore.points.stream import PointStream
 from ipcore.points.validation import PointSet, unit
 from ipcore.polynomial import graded
@@ -18,12 +18,10 @@ from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
 
-# The fit's bounds are the data's box grown by this much on every side, in mean radii: room for the zero set to close
-# round the data, and for the outer layers (layer_distance is at most this).
-MARGIN = 0.3
-
-
-PART = 8192  # points at once in passes over all of them
+# The bounds of a fit are the data's box grown by this much on every side, in mean radii: room for the zero set to close
+# around the data, and for the outer layers (layer_distance is at most this).
+BOUNDS_MARGIN = 0.3
+PART_POINTS = 8192  # points of a part, in passes over all points
 
 
 class Part(Protocol):
@@ -31,38 +29,38 @@ class Part(Protocol):
 
     @property
     def points(self) -> FloatArray:
-        """Return the points."""
+        """Return the points (n, d)."""
         ...
 
     @property
     def normals(self) -> FloatArray:
-        """Return the normals."""
+        """Return the normals (n, d)."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class HeldPart:
-    """A part that is there."""
+    """A part in memory: points and unit outward normals, (n, d) each, in the normalised frame."""
 
     points: FloatArray
     normals: FloatArray
 
 
 class ReadPart:
-    """A part as it was read: normalised by the thread that asks for it, not by the one that reads."""
+    """A part as it was read: it is normalised when a thread first uses it, not by the thread that reads."""
 
     def __init__(self, frame: Frame, points: FloatArray, normals: FloatArray) -> None:
-        """Take raw points and normals of any length but 0, (n, d) each."""
+        """Take raw points and their normals, of any length but 0, (n, d) each."""
         self._frame, self._raw = frame, (points, normals)
 
     @cached_property
     def points(self) -> FloatArray:
-        """Return the points."""
+        """Return the points (n, d) in the normalised frame."""
         return self._frame.to_local(self._raw[0])
 
     @cached_property
     def normals(self) -> FloatArray:
-        """Return the normals."""
+        """Return the unit normals (n, d)."""
         return unit(self._raw[1], self._raw[0])
 
 
@@ -73,9 +71,9 @@ class OrientedPoints:
     Attributes
     ----------
     points, normals
-        (N, d), in the frame. Of a stream, a sample.
+        (n, d), in the frame: all N points, or a sample of them if they are a stream.
     frame
-        From raw coordinates and back.
+        The normalised frame.
     bounds
         (2, d), in the frame: the box in which the fit is made.
     source
@@ -83,9 +81,9 @@ class OrientedPoints:
     planar
         Whether all points lie on one plane (3D).
     count
-        N, the number of all points: more than those here, if these are a sample.
+        N, the number of all points.
     stream
-        Where all points can be read, if these are a sample.
+        The stream of all points, if `points` are a sample of them; else None.
 
     """
 
@@ -100,9 +98,17 @@ class OrientedPoints:
 
     @classmethod
     def of(cls, given: PointSet | PointStream, neighbours: int, frame: Frame | None = None) -> Self:
-        """Normalise, by default to the points' own frame, and orient if the caller gave no normals.
+        """Return points in the normalised frame, with normals, which are estimated if none were given.
 
-        Of a stream, only the sample is held.
+        Parameters
+        ----------
+        given
+            The caller's points. Of a stream, only the sample is held.
+        neighbours
+            How many neighbours each normal is estimated from.
+        frame
+            The normalised frame; by default that of the points.
+
         """
         if isinstance(given, PointStream):
             held = cls.sampled(given.sample, frame or given.frame, given.box, given.count)
@@ -115,33 +121,36 @@ class OrientedPoints:
 
     @classmethod
     def sampled(cls, sample: Sample, frame: Frame, box: FloatArray, count: int) -> Self:
-        """Take a sample of so many points in a box (2, d), raw."""
+        """Return a sample, raw, of `count` points that lie in a box (2, d), raw, in the normalised frame."""
         x, bounds = frame.to_local(sample.points), _grown(frame.to_local(box))
         return cls(x, sample.normals, frame, bounds, NormalSource.GIVEN, planar=False, count=count)
 
     def parts(self) -> Iterable[Part]:
-        """Return all points in parts, in order: views of those that are held, or pieces read from the stream."""
+        """Return all points in parts, in order: slices of those in memory, or pieces read from the stream."""
         if self.stream is not None:
             return (ReadPart(self.frame, x, n) for x, n in self.stream.pieces())
         return self.held_parts()
 
     def held_parts(self) -> list[HeldPart]:
-        """Return the points that are held in parts, in order."""
-        starts = range(0, len(self.points), PART)
-        return [HeldPart(self.points[start : start + PART], self.normals[start : start + PART]) for start in starts]
+        """Return the points that are in memory in parts, in order."""
+        starts = range(0, len(self.points), PART_POINTS)
+        return [
+            HeldPart(self.points[start : start + PART_POINTS], self.normals[start : start + PART_POINTS])
+            for start in starts
+        ]
 
     @cached_property
     def thinned(self) -> "OrientedPoints":
-        """Return the same with `SIZE` points at most, held: enough for what does not need all of them."""
-        if self.stream is None and self.count <= SIZE:
+        """Return at most `SAMPLE_SIZE` of the points, in memory: enough for what does not need all of them."""
+        if self.stream is None and self.count <= SAMPLE_SIZE:
             return self
         sample = Sample.of(self.points, self.normals)
         return replace(self, points=sample.points, normals=sample.normals, count=len(sample.points), stream=None)
 
     def polynomial(self, degree: int, coefficients: FloatArray, basis: Basis) -> ImplicitPolynomial:
-        """Return the polynomial with these coefficients in this basis, in the normalised frame.
+        """Return the polynomial with these coefficients (≤ m,) in this basis, in the normalised frame.
 
-        Coefficients of the last form may be missing at the end, and are 0 then.
+        Coefficients that are missing at the end are 0.
         """
         frame = Frame(np.zeros(self.points.shape[1]), 1.0)
         a = np.zeros(graded.count(self.points.shape[1], degree))
@@ -149,15 +158,15 @@ class OrientedPoints:
         return ImplicitPolynomial(degree, a, frame, self.bounds, basis)
 
     def to_raw(self, polynomial: ImplicitPolynomial) -> ImplicitPolynomial:
-        """Return a polynomial of the normalised frame in raw coordinates: the coefficients stay as they are."""
+        """Return a polynomial of the normalised frame in raw coordinates; its coefficients do not change."""
         bounds = self.frame.to_raw(polynomial.bounds)
         return replace(polynomial, frame=self.frame, bounds=bounds)
 
     def self_check(self) -> float:
-        """Return the share of points whose normal agrees with the winding number of them all."""
+        """Return the share of points whose normals agree with the winding number, see `winding.self_check`."""
         return winding.self_check(self.points, self.normals)
 
 
 def _grown(box: FloatArray) -> FloatArray:
-    """Return a box (2, d) with the margin on every side."""
-    return np.asarray(box + np.array([[-MARGIN], [MARGIN]]))
+    """Return a box (2, d) grown by `BOUNDS_MARGIN` on every side."""
+    return np.asarray(box + np.array([[-BOUNDS_MARGIN], [BOUNDS_MARGIN]]))

@@ -1,4 +1,4 @@
-"""Point sets too large to be held: read piece by piece, as often as needed, from an array on disk."""
+"""Point sets too large to be held in memory: read piece by piece, as often as needed, from an array on disk."""
 
 import mmap
 import tempfile
@@ -16,28 +16,30 @@ from ipcore.points.digest import Digest
 from ipcore.points.sample import Sample
 from ipcore.polynomial.frame import Frame
 
-LARGE = 1 << 18  # points from which a memory-mapped array is streamed; below, it is read at once
-PIECE = 8192  # points at once
+STREAMED_POINTS = (
+    1 << 18
+)  # a memory-mapped array with so many points or more is streamed; a smaller one is read at once
+PIECE_POINTS = 8192  # points that are read at once
 
 
 @dataclass(frozen=True, eq=False)
 class PointStream:
-    """Oriented points on disk, and what has to be known of all of them.
+    """Oriented points on disk, and the figures of all of them that a fit needs.
 
     Attributes
     ----------
     points, normals
         (N, d), raw, memory-mapped; normals of any length.
     frame
-        Of all points.
+        The normalised frame, that of all points.
     box
-        (2, d), raw: their lower and upper corner.
+        (2, d), raw: the lower and upper corner of all points.
     planar
         Whether 3D points all lie on one plane.
     sample
         Some of the points, raw, with unit normals.
     sha256
-        As `digest` defines it.
+        The digest of points and unit normals, as `digest` defines it.
 
     """
 
@@ -55,18 +57,21 @@ class PointStream:
         return len(self.points)
 
     def pieces(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield raw points and normals, (n, d) each, which have been checked."""
+        """Yield raw points and their normals, (n, d) each, in order, until all are read."""
         for (_, x), (_, n) in zip(_read(self.points), _read(self.normals), strict=True):
             yield x, n
 
     @classmethod
     def of(cls, points: np.ndarray, normals: np.ndarray) -> Self:
-        """Look at everything twice: for the centroid, the box and a sample, then for the mean radius and the extents.
+        """Return the stream of points and normals (N, d), both read twice.
+
+        The first pass validates them and gives the centroid, the box and a sample, the second the mean radius and the
+        principal extents.
 
         Raises
         ------
         InvalidPointsError, InvalidNormalsError
-            As for points that are held.
+            As for points that are held in memory, see `validation`.
 
         """
         validation.check_shape(points.shape)
@@ -74,7 +79,7 @@ class PointStream:
         box = np.stack([np.full(points.shape[1], np.inf), np.full(points.shape[1], -np.inf)])
         for start, piece in _read(points):
             x = validation.matrix("points", piece, InvalidPointsError, start)
-            n = validation.unit(normals[start : start + PIECE], x, start)
+            n = validation.unit(normals[start : start + PIECE_POINTS], x, start)
             total += x.sum(axis=0)
             box = np.stack([np.minimum(box[0], x.min(axis=0)), np.maximum(box[1], x.max(axis=0))])
             sample = sample.with_more(Sample.of(x, n))
@@ -87,24 +92,25 @@ class PointStream:
             centred = x - centre
             radius += float(np.linalg.norm(centred, axis=1).sum())
             R = np.asarray(np.linalg.qr(np.vstack([R, centred / extent]), mode="r"))
-            digest.update(validation.unit(normals[start : start + PIECE], x, start))
+            digest.update(validation.unit(normals[start : start + PIECE_POINTS], x, start))
         frame = Frame(centre, radius / len(points))
         planar = validation.rank(R, extent, float(np.abs(box).max())) < len(centre)
         return cls(points, normals, frame, box, planar, sample, digest.hexdigest())
 
 
 def streamed(points: ArrayLike, normals: ArrayLike | None) -> PointStream | None:
-    """Return the stream as which an array is to be read, or None if it is to be held.
+    """Return the stream of points and normals (N, d), or None if the points are to be held in memory.
 
-    It is one if it is memory-mapped, has `LARGE` or more points, and normals: estimating them takes all points at once.
+    Points are streamed if they are memory-mapped, at least `STREAMED_POINTS`, and have normals: to estimate normals
+    takes all points at once.
 
     Raises
     ------
     InvalidPointsError, InvalidNormalsError
-        If it is a stream and something is wrong with it.
+        If they are streamed and something is wrong with them.
 
     """
-    if not isinstance(points, np.memmap) or normals is None or points.ndim != 2 or len(points) < LARGE:
+    if not isinstance(points, np.memmap) or normals is None or points.ndim != 2 or len(points) < STREAMED_POINTS:
         return None
     given = np.asanyarray(normals)
     if given.shape != points.shape:
@@ -115,9 +121,9 @@ def streamed(points: ArrayLike, normals: ArrayLike | None) -> PointStream | None
 
 
 def spooled(chunks: Iterator[Any], normals: ArrayLike | None) -> PointStream:
-    """Return the stream of chunks (points, normals), (n, d) each, that an iterator yields.
+    """Return the stream of the pairs (points, normals), (n, d) each, that an iterator yields; `normals` must be None.
 
-    One look at them is not enough, so they are written to a temporary file, which is gone with the stream.
+    They are needed more than once, so they are written to a temporary file, which is deleted with the stream.
 
     Raises
     ------
@@ -131,25 +137,25 @@ def spooled(chunks: Iterator[Any], normals: ArrayLike | None) -> PointStream:
 
 
 def _read(array: np.ndarray) -> Iterator[tuple[int, FloatArray]]:
-    """Yield pieces in double precision with the row at which they begin."""
-    for start in range(0, len(array), PIECE):
-        yield start, np.array(array[start : start + PIECE], dtype=np.float64, order="C")
-        _forget(array)
+    """Yield the pieces (n, d) of an array (N, d) in double precision, each with the number of its first row."""
+    for start in range(0, len(array), PIECE_POINTS):
+        yield start, np.array(array[start : start + PIECE_POINTS], dtype=np.float64, order="C")
+        _release(array)
 
 
-def _forget(array: np.ndarray) -> None:
-    """Tell the system that what was read of a mapped array need not stay in memory: it counts as this process's."""
+def _release(array: np.ndarray) -> None:
+    """Let the system free the pages of a mapped array that have been read: they count as the process's memory."""
     base: Any = array
     while isinstance(base, np.ndarray):
         if isinstance(base, np.memmap) and base.mode == "c":
-            return  # what was written to it is in memory only
+            return  # a private copy: what was written to it is in memory only
         base = base.base
     if isinstance(base, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
         base.madvise(mmap.MADV_DONTNEED)
 
 
 def _spooled(chunks: Iterator[Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Write chunks to a file that is gone with the array, and map it."""
+    """Write chunks to a temporary file, and return it memory-mapped: all points and all normals, (N, d) each."""
     with tempfile.TemporaryFile() as file:
         width = None
         for chunk in chunks:
@@ -166,6 +172,7 @@ def _spooled(chunks: Iterator[Any]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _pair(chunk: Any) -> tuple[FloatArray, FloatArray]:  # noqa: ANN401 - whatever the caller's iterator yields
+    """Return the points and normals (n, d) of one pair that a caller's iterator yields, validated."""
     if not isinstance(chunk, tuple) or len(chunk) != 2:
         raise InvalidNormalsError("an iterator must yield pairs of points and normals, (n, d) each")
     x = validation.matrix("points", chunk[0], InvalidPointsError)

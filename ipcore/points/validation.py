@@ -1,4 +1,4 @@
-"""Check the caller's points and normals before any work is done on them."""
+"""The validation of the caller's points and normals, before any computation with them."""
 
 from dataclasses import dataclass
 
@@ -9,8 +9,8 @@ from ipcore._typing import FloatArray
 from ipcore.errors import InvalidNormalsError, InvalidPointsError, IPCoreError
 from ipcore.points import digest
 
-# Below this share of the longest principal extent, an extent counts as none. Points stored in single precision carry
-# 6e-8 of rounding; nothing thinner than that can be told from a line or a plane.
+# A principal extent below this share of the longest one counts as 0. Points stored in single precision have rounding
+# errors of 6e-8, so a shape thinner than that cannot be distinguished from a line or a plane.
 FLATNESS = 1e-7
 
 
@@ -35,12 +35,14 @@ class PointSet:
 
     @property
     def sha256(self) -> str:
-        """Return what `digest` makes of points and normals."""
+        """Return the digest of points and normals, as `digest` defines it."""
         return digest.sha256(self.points, self.normals)
 
 
 def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
-    """Return the point set, or say what is wrong with it and where.
+    """Return points (N, d) and normals (N, d), of any length but 0, as a point set; raise if they cannot be fitted.
+
+    The error says what is wrong, and its `at` where.
 
     Raises
     ------
@@ -66,7 +68,7 @@ def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
 
 
 def check_shape(shape: tuple[int, ...]) -> None:
-    """Refuse points (N, d) that have too many columns or too few rows."""
+    """Raise if points of this shape (N, d) have neither 2 nor 3 columns, or fewer than d + 1 rows."""
     d = shape[1]
     if d not in (2, 3):
         raise InvalidPointsError(f"points must have 2 or 3 columns, not {d}", ("points",))
@@ -77,7 +79,10 @@ def check_shape(shape: tuple[int, ...]) -> None:
 
 
 def matrix(name: str, values: ArrayLike, error: type[IPCoreError], start: int = 0) -> FloatArray:
-    """Return finite numbers (n, d), or say what is wrong; `start` is the number of the first row."""
+    """Return `values` as finite doubles (n, d), or raise an `error` about `name`.
+
+    `start` is the number of the first row, as the error is to give it.
+    """
     try:
         x = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError) as cause:
@@ -96,7 +101,10 @@ def matrix(name: str, values: ArrayLike, error: type[IPCoreError], start: int = 
 
 
 def unit(normals: ArrayLike, x: FloatArray, start: int = 0) -> FloatArray:
-    """Return normals of points x (n, d) with length 1, or say what is wrong; `start` is the number of the first row."""
+    """Return the normals of points x (n, d) with length 1, (n, d), or raise.
+
+    `start` is the number of the first row, as the error is to give it.
+    """
     n = matrix("normals", normals, InvalidNormalsError, start)
     if n.shape != x.shape:
         raise InvalidNormalsError(f"normals have shape {n.shape}, the points {x.shape}: they must match", ("normals",))
@@ -112,9 +120,10 @@ def unit(normals: ArrayLike, x: FloatArray, start: int = 0) -> FloatArray:
 
 
 def extent(centred: FloatArray, x: FloatArray) -> float:
-    """Return the largest coordinate of centred points, or refuse points that are all equal or too large.
+    """Return the largest absolute coordinate of `centred`, points minus their centroid; raise if all points are equal.
 
-    In place of all points, the corners of their box will do.
+    Also raises if they are too large to compute with. `x` are the points themselves; both are (N, d), and the corners
+    of the box of all points, (2, d), give the same.
     """
     largest, size = float(np.abs(x).max()), float(np.abs(centred).max())
     if not np.isfinite(size) or size > 1e150:
@@ -125,10 +134,10 @@ def extent(centred: FloatArray, x: FloatArray) -> float:
 
 
 def rank(R: FloatArray, extent: float, largest: float) -> int:
-    """Return the dimension of the affine hull, to rounding; refuse 0 and 1.
+    """Return the dimension of the points' affine hull, up to rounding; raise if it is 0 or 1.
 
-    `R` is the triangular factor of the centred points over their `extent`, from which the principal extents come
-    without any square; `largest` is the largest raw coordinate.
+    `R` (d, d) is the triangular factor of the centred points divided by their `extent`: its singular values are the
+    principal extents, computed without squares. `largest` is the largest absolute raw coordinate.
     """
     spread = np.linalg.svd(R, compute_uv=False)
     tolerance = max(FLATNESS, 16.0 * np.finfo(float).eps * largest / extent)

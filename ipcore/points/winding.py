@@ -1,12 +1,13 @@
-"""The generalised winding number of oriented points: which side of the shape a query lies on.
+"""The generalised winding number of oriented points, which tells whether a query lies inside or outside of the shape.
 
-A closed surface fills the solid angle 4π seen from inside and 0 from outside; a closed curve in 2D, 2π and 0. A sample
-p with outward unit normal n stands for a patch of area A, which acts like a dipole (Barill, Dickson, Schmidt, Levin and
-Jacobson 2018; Jacobson, Kavan and Sorkine-Hornung 2013):
+A closed surface fills the solid angle 4π seen from inside and 0 seen from outside; a closed curve in 2D, 2π and 0. A
+sample p with outward unit normal n stands for a patch of area A, which acts like a dipole (Barill, Dickson, Schmidt,
+Levin and Jacobson 2018; Jacobson, Kavan and Sorkine-Hornung 2013):
 
     w(q) = Σ A n·(p − q) / (4π ‖p − q‖³)        in 2D Σ A n·(p − q) / (2π ‖p − q‖²)
 
-It varies smoothly across holes in the data, so comparing it with ½ decides where the nearest normal would err.
+It varies smoothly across holes in the data, so comparing it with ½ gives the right side where the nearest normal may
+not.
 """
 
 from itertools import product
@@ -18,25 +19,30 @@ from ipcore._threads import mapped
 from ipcore._typing import FloatArray
 from ipcore.points.neighbours import nearest
 
-# Queries and points of one thread's task; their sums are added in order, so the number of threads does not show.
-ROWS, PART = 8192, 16_384
-BLOCK = 256  # both at once: the block of distances (0.5 MB) stays in the L2 cache; 1.4 ns per pair in 2D, 2.7 in 3D
-NEIGHBOURS = {2: 4, 3: 12}  # for areas: two on each side; two rings
-FLOOR = 0.25  # spacings: nearer than this a patch is no dipole; the bound keeps w finite at the samples themselves
-SUBSET = 6000  # of the self-check, points
-PROBES = 600  # of the self-check: a standard error of 0.02 at most; with SUBSET 7e6 pairs, 0.04 s
-HALF = 0.5  # the winding number on the surface itself
-OFFSET = 0.7  # spacings, where "just inside" is. On 27 sets with 10 % of the true normals turned about: at 0.5 the
-# check gives 0.90–1.00 (a point's own dipole drowns the rest), at 0.7 0.88–0.94, at 1.0 0.87–0.93. With none turned it
-# gives at least 0.985, 0.98 and 0.95
+# Queries and points of one task for a thread. The sums of tasks are added in order, so the number of threads does not
+# change the result.
+TASK_QUERIES, TASK_POINTS = 8192, 16_384
+# Queries and points whose distances are computed together: they (0.5 MB) stay in the L2 cache; 1.4 ns per pair in 2D,
+# 2.7 in 3D.
+PAIRS_BLOCK = 256
+NEIGHBOURS = {2: 4, 3: 12}  # from which a point's area is estimated: two on each side of it, two rings around it
+LEAST_DISTANCE = 0.25  # spacings: nearer than this a patch is no dipole; the bound keeps w finite at the samples
+CHECKED_POINTS = 6000  # of the self-check
+CHECKED_PROBES = 600  # of the self-check: a standard error of 0.02 at most; with CHECKED_POINTS 7e6 pairs, 0.04 s
+SURFACE_WINDING = 0.5  # the winding number on the surface itself
+# Spacings from a point to the places just inside and just outside of the surface. On 27 sets with 10 % of the true
+# normals reversed the self-check gives 0.90–1.00 at 0.5 (a point's own dipole outweighs the rest), 0.88–0.94 at 0.7 and
+# 0.87–0.93 at 1.0. With none reversed it gives at least 0.985, 0.98 and 0.95.
+OFFSET = 0.7
 
 
 def areas(points: FloatArray) -> FloatArray:
-    """Return what each point stands for: a piece of surface in 3D, of curve in 2D.
+    """Return the area of the patch (3D) or the length of the piece of curve (2D) for which each point stands.
 
     The ball through the j-th neighbour, radius r_j, holds j + ½ points: the point itself, j − 1 others and half of the
-    one on its rim. So the area is A = Σ V(r_j) / Σ (j + ½) = 2 Σ V(r_j) / (k (k + 2)), summed over k neighbours, with
-    V(r) = 2r in 2D and πr² in 3D. It is exact on an evenly sampled curve, and within 5 % on square and hexagonal grids.
+    one on its boundary. So the area is A = Σ V(r_j) / Σ (j + ½) = 2 Σ V(r_j) / (k (k + 2)), summed over k neighbours,
+    with V(r) = 2r in 2D and πr² in 3D. It is exact on an evenly sampled curve, and within 5 % on square and hexagonal
+    grids.
 
     Parameters
     ----------
@@ -106,12 +112,12 @@ def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray,
     centre = points.mean(axis=0)  # near the origin the squares below lose the fewest digits
     p, q = points - centre, queries - centre
     dipoles = areas[:, None] * normals / (2.0 * np.pi * (d - 1))
-    floor = (FLOOR * areas ** (1.0 / (d - 1))) ** 2
-    floor = np.maximum(floor, np.finfo(float).tiny ** 0.25)  # for coinciding points, which weigh nothing
+    floor = (LEAST_DISTANCE * areas ** (1.0 / (d - 1))) ** 2
+    floor = np.maximum(floor, np.finfo(float).tiny ** 0.25)  # for points that coincide: their areas are 0
     left = np.column_stack([(q**2).sum(axis=1), np.ones(len(q)), -2.0 * q])
     right = np.vstack([np.ones(len(p)), (p**2).sum(axis=1), p.T])
     potential = np.column_stack([(dipoles * p).sum(axis=1), -dipoles])
-    tasks = list(product(_slices(len(q), ROWS), _slices(len(p), PART)))
+    tasks = list(product(_slices(len(q), TASK_QUERIES), _slices(len(p), TASK_POINTS)))
     sums = mapped(lambda task: _sums(left[task[0]], right[:, task[1]], floor[task[1]], potential[task[1]]), tasks)
     total = np.zeros((len(q), d + 1))
     for (rows, _), part in zip(tasks, sums, strict=True):
@@ -120,16 +126,21 @@ def winding_number(queries: FloatArray, points: FloatArray, normals: FloatArray,
 
 
 def _slices(length: int, step: int) -> list[slice]:
+    """Return slices of `step` rows that cover `length` rows; the last one may reach farther."""
     return [slice(start, start + step) for start in range(0, length, step)]
 
 
 def _sums(left: FloatArray, right: FloatArray, floor: FloatArray, potential: FloatArray) -> FloatArray:
-    """Return Σ u (A n·p, −A n) over some points, (M, d + 1)."""
+    """Return Σ u (A n·p, −A n) over P points, for M queries, (M, d + 1).
+
+    `left` (M, d + 2) times `right` (d + 2, P) are the squared distances, `floor` (P,) their least values, and
+    `potential` (P, d + 1) the terms (A n·p, −A n).
+    """
     sums = np.zeros((len(left), potential.shape[1]))
-    room = np.empty(BLOCK**2)
-    for here, there in product(_slices(len(left), BLOCK), _slices(len(floor), BLOCK)):
+    scratch = np.empty(PAIRS_BLOCK**2)
+    for here, there in product(_slices(len(left), PAIRS_BLOCK), _slices(len(floor), PAIRS_BLOCK)):
         queries, points = left[here], right[:, there]
-        u = room[: len(queries) * points.shape[1]].reshape(len(queries), -1)
+        u = scratch[: len(queries) * points.shape[1]].reshape(len(queries), -1)
         np.maximum(np.matmul(queries, points, out=u), floor[there], out=u)
         if sums.shape[1] == 4:
             u *= np.sqrt(u)
@@ -138,12 +149,13 @@ def _sums(left: FloatArray, right: FloatArray, floor: FloatArray, potential: Flo
 
 
 def self_check(points: FloatArray, normals: FloatArray) -> float:
-    """Return the share of points with w > ½ just inside and w < ½ just outside: a check that needs no truth.
+    """Return the share of points with w > ½ just inside and w < ½ just outside: how far the normals are consistent.
 
-    Below about 0.9 many normals point inward, or the points bound no volume: on a plane w passes ½ on neither side for
-    sure. A large patch turned about as a whole is partly hidden, for there it looks like the wall of a hole. The share
-    is estimated on a fixed random subset, 600 points against 6,000, so that its cost does not grow with N. Of 60,000
-    points with 0 to 10 % of the normals turned about, that gave the same as all to 0.008, with 20 % to 0.02.
+    A share below about 0.9 means that many normals point inward, or that the points bound no volume: near a plane w
+    need not be above ½ on one side. Where a large patch is reversed as a whole, the share is too high, for the patch is
+    like the wall of a hole. The share is estimated on a fixed random subset, 600 points against 6,000, so that the cost
+    does not grow with N. With 60,000 points, 0 to 10 % of whose normals were reversed, that differed from the share of
+    all points by at most 0.008, with 20 % by 0.02.
 
     Parameters
     ----------
@@ -164,11 +176,11 @@ def self_check(points: FloatArray, normals: FloatArray) -> float:
     (1.0, 0.0)
 
     """
-    rng = np.random.default_rng(0)  # seeded: the same points get the same answer
-    some = rng.permutation(len(points))[:SUBSET]
+    rng = np.random.default_rng(0)  # seeded: the same points get the same share
+    some = rng.permutation(len(points))[:CHECKED_POINTS]
     p, n = points[some], normals[some]
     A = areas(p)
-    step = OFFSET * A[:PROBES, None] ** (1.0 / (points.shape[1] - 1)) * n[:PROBES]
-    probes = np.concatenate([p[:PROBES] - step, p[:PROBES] + step])
+    step = OFFSET * A[:CHECKED_PROBES, None] ** (1.0 / (points.shape[1] - 1)) * n[:CHECKED_PROBES]
+    probes = np.concatenate([p[:CHECKED_PROBES] - step, p[:CHECKED_PROBES] + step])
     inside, outside = winding_number(probes, p, n, A).reshape(2, -1)
-    return float(((inside > HALF) & (outside < HALF)).mean())
+    return float(((inside > SURFACE_WINDING) & (outside < SURFACE_WINDING)).mean())

@@ -1,1 +1,1 @@
-"""What a polynomial is: its terms in graded order, its evaluation, its frame, bounds of its values."""
+"""Polynomials: their terms in graded order, their evaluation, their frames, and bounds of their values."""

@@ -1,9 +1,10 @@
-"""Where in a box a polynomial may vanish: the signs of its Bernstein coefficients on blocks of it.
+"""Bounds of a polynomial's values on the blocks of a box, by its Bernstein coefficients there.
 
 On the unit interval u^i = Σ_{j ≥ i} C(j, i)/C(n, i) B_j(u), with the Bernstein polynomials
 B_j(u) = C(n, j) u^j (1−u)^(n−j), which are positive and add up to 1. So a polynomial's values on a block lie between
 its least and its greatest coefficient in products of B_j there (Farouki and Rajan 1987). The smaller the block, the
-closer: at degree 12, on blocks of a sixteenth of the box, signs change on little more than the blocks with a zero.
+tighter are the bounds: at degree 12, with blocks of a sixteenth of the box along each axis, there are few blocks whose
+bounds have different signs but that contain no zero.
 """
 
 from math import comb
@@ -16,9 +17,9 @@ from ipcore.polynomial.univariate import Basis
 
 
 def matrices(basis: Basis, degree: int, ends: FloatArray) -> FloatArray:
-    """Return the matrices (B, n+1, n+1) that take univariate coefficients to Bernstein coefficients on B intervals.
+    """Return the matrices (B, n+1, n+1) that map univariate coefficients to Bernstein coefficients on B intervals.
 
-    `ends` are where they begin and where they end (2, B), in the variable of the univariate functions.
+    `ends` (2, B) are the lower and the upper ends of the intervals, in the variable of the univariate functions.
 
     >>> matrices(Basis.MONOMIAL, 2, np.array([[0.0], [2.0]]))[0] @ [0.0, 0.0, 1.0]       # t² = 4u² on 0 … 2
     array([0., 0., 4.])
@@ -29,20 +30,20 @@ def matrices(basis: Basis, degree: int, ends: FloatArray) -> FloatArray:
 
 
 def ranges(polynomial: ImplicitPolynomial, ends: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Return bounds of f on the blocks of a box: its least and its greatest Bernstein coefficient.
+    """Return lower and upper bounds of f on the blocks of a box: the least and the greatest Bernstein coefficient.
 
-    They are as much wider as the sums may be rounded, both these and those of f's values.
+    They are widened by a bound of the rounding, so that they also bound values of f that are computed in doubles.
 
     Parameters
     ----------
     polynomial
         f.
     ends
-        For each axis, where the blocks begin and end, raw, (2, B_axis).
+        For each axis the lower and upper ends of the blocks, raw, (2, B_axis).
 
     Returns
     -------
-        (B_x, B_y[, B_z]) both.
+        Lower and upper bounds, (B_x, B_y[, B_z]) each.
 
     """
     n = polynomial.degree
@@ -50,19 +51,25 @@ def ranges(polynomial: ImplicitPolynomial, ends: list[FloatArray]) -> tuple[Floa
     first, *others = tables
     shape = [n + 1, *(part for table in others for part in table.shape[:2])]
     low, high = np.empty((2, *(x.shape[1] for x in ends)))
-    for k, slab in enumerate(first):  # block after block along the first axis, or memory would be that of a grid
+    for k, slab in enumerate(
+        first
+    ):  # block after block along the first axis, or the coefficients would take as much memory as a grid
         b = np.tensordot(slab, polynomial.tensor, axes=1)
         for table in others:  # the contracted axis goes last, so the next one comes second
             b = np.tensordot(b, table.reshape(-1, n + 1), axes=(1, 1))
         b = b.reshape(shape)
-        within = tuple(range(0, b.ndim, 2))
-        low[k], high[k] = b.min(axis=within), b.max(axis=within)
+        coefficients = tuple(range(0, b.ndim, 2))
+        low[k], high[k] = b.min(axis=coefficients), b.max(axis=coefficients)
     slack = _rounding(polynomial.tensor, tables)
     return low - slack, high + slack
 
 
 def _rounding(tensor: FloatArray, tables: list[FloatArray]) -> float:
-    """Return a bound of the rounding of sums along each axis: 2 (n+1) d ε Σ |a_ijk| max |X_i| max |Y_j| max |Z_k|."""
+    """Return a bound of the rounding in sums along each axis: 2 (n+1) d ε Σ |a_ijk| max |X_i| max |Y_j| max |Z_k|.
+
+    `tensor` (n+1, …) are the coefficients, `tables` (B, n+1, n+1) the matrices X, Y[, Z] of the blocks along each axis.
+    Each of the d sums has n+1 terms; half of the bound is for the Bernstein coefficients, half for values of f.
+    """
     total = np.abs(tensor)
     for table in tables:
         total = np.tensordot(total, np.abs(table).max(axis=(0, 1)), axes=(0, 0))

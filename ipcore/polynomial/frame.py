@@ -1,4 +1,4 @@
-"""The normalised frame: centred at the centroid, one mean radius long. Distances in options are in its unit."""
+"""The normalised frame: its origin is the centroid of the points, its unit their mean radius, as for all options."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -17,7 +17,7 @@ class Frame:
     centre
         (d,), raw coordinates.
     scale
-        The mean radius, in raw units: what is 1 long in the frame.
+        The mean radius, in raw units: the length that is 1 in the frame.
 
     """
 
@@ -37,9 +37,9 @@ class Frame:
         return cls(centre, float(np.linalg.norm(points - centre, axis=1).mean()))
 
     def to_local(self, raw: FloatArray) -> FloatArray:
-        """Take raw coordinates (…, d) into the frame."""
+        """Return raw points (…, d) in the coordinates of the frame, (…, d)."""
         return (raw - self.centre) / self.scale
 
     def to_raw(self, local: FloatArray) -> FloatArray:
-        """Take coordinates in the frame (…, d) back to the caller's."""
+        """Return points (…, d) of the frame in raw coordinates, (…, d)."""
         return self.centre + self.scale * local

@@ -51,14 +51,14 @@ def exponents(dimension: int, degree: int) -> IntArray:
 
 
 def _compositions(dimension: int, total: int) -> list[tuple[int, ...]]:
-    """Return the exponents of one form: the last variable's slowest, from 0 up."""
+    """Return the exponents of one form, of total degree `total`, in graded order: the last one varies slowest."""
     if dimension == 1:
         return [(total,)]
     return [(*head, last) for last in range(total + 1) for head in _compositions(dimension - 1, total - last)]
 
 
 def column(powers: IntArray) -> IntArray:
-    """Return the column (from 0, so α − 1) of exponents (…, d) by the closed formulas above.
+    """Return the columns (…) of exponents (…, d), counted from 0, so α − 1, by the closed formulas above.
 
     >>> int(column(np.array([1, 0, 1])))
     7
@@ -80,9 +80,9 @@ def products(tables: list[FloatArray], powers: IntArray) -> FloatArray:
     Parameters
     ----------
     tables
-        One table per variable, (n+1, N): the univariate functions of degree 0…n at N points.
+        For each variable the univariate functions of degree 0…n at N points, (n+1, N).
     powers
-        Which products, (m, d).
+        The exponents of the products, (m, d).
 
     Returns
     -------
@@ -98,8 +98,9 @@ def products(tables: list[FloatArray], powers: IntArray) -> FloatArray:
 def form_products(tables: list[FloatArray], first: int, last: int, out: FloatArray | None = None) -> FloatArray:
     """Return the products of the forms of degree `first` … `last` in graded order, (columns, N).
 
-    From one or two tables (≥ last + 1, N), as `products` does, but with one pass for each form and no copies of tables.
-    `out` (≥ columns, ≥ N) may hold the result: to make room for it anew takes as long as the products.
+    It does what `products` does for one or two variables, with tables (≥ last + 1, N), but in one pass for each form
+    and without copies of tables. The result is written into `out` (≥ columns, ≥ N) if given: to allocate memory for it
+    takes as long as the products.
 
     >>> x, y = np.array([[1.0], [2.0], [4.0]]), np.array([[1.0], [3.0], [9.0]])          # x; y; x², xy, y²
     >>> form_products([x, y], 1, 2)[:, 0].tolist()
@@ -135,7 +136,7 @@ def sum_of_all(x: FloatArray, degree: int) -> FloatArray:
 
 
 def degree_of(dimension: int, columns: int) -> int:
-    """Return the total degree in which the last of so many columns lies, so that α = `columns`.
+    """Return the total degree of the last one of so many columns, the column α = `columns`.
 
     >>> [degree_of(2, alpha) for alpha in (1, 2, 28, 54, 92)]
     [0, 1, 6, 9, 13]

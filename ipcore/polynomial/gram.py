@@ -1,8 +1,8 @@
 """Weighted Gram matrices of Chebyshev products, from moments.
 
-T_i T_j = (T_{i+j} + T_{|i−j|}) / 2, so with P the row of all products T_i(x) T_j(y) T_k(z) of total degree ≤ n, every
+T_i T_j = (T_{i+j} + T_{|i−j|}) / 2. So with P the row of all products T_i(x) T_j(y) T_k(z) of total degree ≤ n, every
 entry of Σ w PᵀP is a mean of 2^d moments μ_ijk = Σ w T_i(x) T_j(y) T_k(z), i + j + k ≤ 2n. There are only C(2n + d, d)
-of them, and a few matrix products give those of many weights at once.
+moments, and a few matrix products give them for many weights at once.
 """
 
 from functools import lru_cache
@@ -16,18 +16,18 @@ from ipcore.polynomial.univariate import Basis
 
 Sparse = csr_array[np.float64, tuple[int, int]]
 
-# Large passes over many points, for each call that other threads must wait for costs more than it seems: the last
-# variable's functions, weighted, take 4 MB at most, and the products of the others come some forms at a time.
-CHUNK = 8192  # points at once at most
-ENTRIES = 1 << 19  # of the last variable's functions
-ROWS = 64  # products at once, about
+# A pass takes many points, for during each call from Python other threads must wait. The last variable's functions,
+# weighted, then take 4 MB at most, and the products of the others are formed some forms at a time.
+PASS_POINTS = 8192  # at most
+PASS_ENTRIES = 1 << 19  # of the last variable's weighted functions, at most
+BAND_PRODUCTS = 64  # formed together, about
 
 
 @lru_cache(maxsize=32)
 def order(dimension: int, degree: int) -> IntArray:
     """Return the exponents (C, d) of the moments of total degree ≤ `degree`, in the order of `moments`, read-only.
 
-    The last variable's exponent k is slowest; below it stand the graded exponents of the others up to degree − k.
+    The last variable's exponent k varies slowest; for each k stand the graded exponents of the others up to degree − k.
     """
     blocks = [
         np.pad(graded.exponents(dimension - 1, degree - k), ((0, 0), (0, 1)), constant_values=k)
@@ -39,19 +39,19 @@ def order(dimension: int, degree: int) -> IntArray:
 
 
 def position(powers: IntArray, degree: int) -> IntArray:
-    """Return where moments with exponents (…, d) stand in `order`."""
+    """Return the positions (…) in `order` of the moments with exponents (…, d); `degree` is that of `order`."""
     d = powers.shape[-1]
     starts = np.cumsum([0] + [graded.count(d - 1, degree - k) for k in range(degree)])
     return np.asarray(starts[powers[..., -1]] + graded.column(powers[..., :-1]))
 
 
 def moments(tables: list[FloatArray], weights: FloatArray) -> FloatArray:
-    """Return μ = Σ w T_i(x) T_j(y) T_k(z) over points, for p weights at once.
+    """Return the moments μ = Σ w T_i(x) T_j(y) T_k(z) over N points, for p weights of each point.
 
     Parameters
     ----------
     tables
-        One (K + 1, N) per variable: the Chebyshev polynomials of degree 0…K at N points.
+        For each variable the Chebyshev polynomials of degree 0…K at the points, (K + 1, N).
     weights
         (p, N).
 
@@ -71,7 +71,7 @@ def moments(tables: list[FloatArray], weights: FloatArray) -> FloatArray:
     d, degree, p = len(tables), len(tables[0]) - 1, len(weights)
     bands = _bands(d - 1, degree)
     sums = np.zeros((graded.count(d - 1, degree), (degree + 1) * p))
-    size = max(1, min(CHUNK, ENTRIES // ((degree + 1) * p), weights.shape[1]))
+    size = max(1, min(PASS_POINTS, PASS_ENTRIES // ((degree + 1) * p), weights.shape[1]))
     scratch = np.empty((max(band.stop - band.start for _, _, band in bands), size))
     for start in range(0, weights.shape[1], size):
         part = slice(start, start + size)
@@ -86,30 +86,36 @@ def moments(tables: list[FloatArray], weights: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=32)
 def _bands(dimension: int, degree: int) -> list[tuple[int, int, slice]]:
-    """Return the forms 0 … `degree` in groups of about `ROWS` columns: first and last degree, and the columns."""
+    """Return the forms 0 … `degree` in bands of about `BAND_PRODUCTS` columns: first and last degree, and columns."""
     out, first = [], 0
     for last in range(degree + 1):
         columns = slice(graded.form(dimension, first).start, graded.form(dimension, last).stop)
-        if last == degree or graded.form(dimension, last + 1).stop - columns.start > ROWS:
+        if last == degree or graded.form(dimension, last + 1).stop - columns.start > BAND_PRODUCTS:
             out.append((first, last, columns))
             first = last + 1
     return out
 
 
 def in_graded_order(mu: FloatArray, dimension: int, degree: int) -> FloatArray:
-    """Return moments (C, p) in the graded order of the polynomials' coefficients."""
+    """Return moments (C, p) of total degree ≤ `degree` in the graded order of the coefficients, (m, p)."""
     return mu[position(graded.exponents(dimension, degree), degree)]
 
 
 def grid_moments(weights: FloatArray, table: FloatArray) -> FloatArray:
-    """Return the moments (C, 1) of weights on a tensor grid with the nodes of `table` (K + 1, nodes) on every axis."""
+    """Return the moments (C, 1) over the nodes of a tensor grid, the same along every axis.
+
+    `weights` (nodes, …) are those of the nodes; `table` (K + 1, nodes) are the Chebyshev polynomials at the grid lines.
+    """
     tensor = evaluation.along_axes(weights, [table] * weights.ndim)
     return np.asarray(tensor[tuple(order(weights.ndim, len(table) - 1).T)][:, None])
 
 
 @lru_cache(maxsize=16)
 def _pairs(dimension: int, degree: int) -> tuple[Sparse, IntArray, IntArray]:
-    """Return the map from moments to the upper triangle of the Gram matrix, and the triangle's rows and columns."""
+    """Return the matrix (T, C) from moments to the T entries of the Gram matrix's upper triangle, and their places.
+
+    The places are the rows (T,) and the columns (T,) of the entries.
+    """
     E = graded.exponents(dimension, degree)
     rows, columns = np.triu_indices(len(E))
     total, difference = E[rows] + E[columns], np.abs(E[rows] - E[columns])
@@ -143,7 +149,7 @@ def gram(mu: FloatArray, dimension: int, degree: int) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def differentiation(dimension: int, degree: int, axis: int) -> Sparse:
-    """Return D, (m, m): if a are coefficients of Chebyshev products in graded order, D a are those of ∂/∂t_axis."""
+    """Return D (m, m): if a (m,) are the coefficients of f in Chebyshev products, D a are those of ∂f/∂t_axis."""
     E, single = graded.exponents(dimension, degree), univariate.differentiation(Basis.CHEBYSHEV, degree)
     rows, columns, entries = [], [], []
     for low, high in zip(*np.nonzero(single), strict=True):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -10,15 +10,9 @@ import numpy as np
 from ipcore._typing import BoolArray, ExtendedArray, FloatArray, IntArray
 from ipcore.errors import InvalidPointsError, InvalidPolynomialError
 from ipcore.polynomial import evaluation, graded, univariate
+from ipcore.polynomial.box import Box
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.univariate import Basis
-
-
-@lru_cache(maxsize=64)
-def _differentiation(basis: Basis, degree: int) -> FloatArray:
-    D = univariate.differentiation(basis, degree)
-    D.setflags(write=False)
-    return D
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +29,11 @@ class ImplicitPolynomial:
     coefficients
         (m,), in the order of `exponents`; without unit: f measures in mean radii where ‖∇f‖ is 1 per mean radius.
     frame
-        Centre (d,) and scale, in raw units.
+        Its centre (d,) and scale, in raw units.
     bounds
-        (2, d), lower and upper corner, raw: the box in which the fit was made. Outside nothing is promised.
+        (2, d), lower and upper corner, raw: the box in which the fit was made. Outside of it f is not to be trusted.
     basis
-        What the coefficients multiply.
+        The functions that the coefficients multiply.
 
     Examples
     --------
@@ -62,7 +56,7 @@ class ImplicitPolynomial:
     basis: Basis = Basis.MONOMIAL
 
     def __post_init__(self) -> None:
-        """Refuse parts that do not fit together.
+        """Raise if the parts do not fit together.
 
         Raises
         ------
@@ -101,7 +95,7 @@ class ImplicitPolynomial:
         return self._evaluate(self._derivatives[1:], x).T
 
     def value_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return f (M,) and ∇f (M, d) at raw points x (M, d), for little more than the price of one."""
+        """Return f (M,) and ∇f (M, d) at raw points x (M, d), in little more time than one of them takes."""
         both = self._evaluate(self._derivatives, x)
         return both[0], both[1:].T
 
@@ -131,24 +125,26 @@ class ImplicitPolynomial:
         return evaluation.along_axes(self.tensor, self.tables(axes))
 
     def tables(self, axes: list[FloatArray]) -> list[FloatArray]:
-        """Return the univariate functions at raw grid lines, (N_axis, n+1) for each axis: what `tensor` multiplies."""
+        """Return the univariate functions at raw grid lines (N_axis,), (N_axis, n+1) for each axis.
+
+        `tensor` times these, along each axis, is f on the grid.
+        """
         return [self._table(lines, axis).T for axis, lines in enumerate(axes)]
 
     def variable(self, coordinates: FloatArray, axis: int) -> FloatArray:
         """Return the variable of the univariate functions at raw coordinates along one axis, in their shape."""
-        middle, half = self._axes
-        return np.asarray((coordinates - middle[axis]) / half[axis])
+        return self._box.axis_to_cube(coordinates, axis)
 
     def contains(self, x: FloatArray) -> BoolArray:
-        """Return which raw points x (M, d) lie in the bounds, the only place where the fit promises anything."""
+        """Return which raw points x (M, d) lie in the bounds, (M,); elsewhere f is not to be trusted."""
         x = self._checked(x)
         return np.asarray(((x >= self.bounds[0]) & (x <= self.bounds[1])).all(axis=1))
 
     def to_monomial(self) -> Self:
         """Return the same polynomial in the monomial basis of the frame.
 
-        The change of basis is computed in extended precision; what remains is the rounding of the coefficients, which
-        the monomial basis amplifies with the degree.
+        The change of basis is computed in extended precision. What remains is the rounding of the coefficients, the
+        effect of which on f grows with the degree in the monomial basis.
         """
         if self.basis is Basis.MONOMIAL:
             return self
@@ -198,10 +194,12 @@ class ImplicitPolynomial:
         return cls(degree, a, frame, bounds, kind)
 
     def _changed(self, change: Callable[[int, float, float], ExtendedArray], basis: Basis) -> Self:
-        """Return the polynomial in the other basis: t = slope·u + offset takes the frame to the box of T_k(t)."""
-        lower, upper = self.bounds
-        middle, half = (lower + upper) / 2.0, (upper - lower) / 2.0
-        slopes, offsets = self.frame.scale / half, (self.frame.centre - middle) / half
+        """Return the polynomial in the other basis.
+
+        `change` gives the matrix (n+1, n+1) along one axis for the map t = slope·u + offset from the frame to the cube.
+        """
+        box = Box.of(self.bounds)
+        slopes, offsets = self.frame.scale / box.half, box.to_cube(self.frame.centre)
         matrices = [change(self.degree, *line) for line in zip(slopes, offsets, strict=True)]
         tensor = evaluation.along_axes(self.tensor.astype(np.longdouble), matrices)
         a = evaluation.from_tensor(tensor, self.dimension, self.degree).astype(np.float64)
@@ -219,19 +217,18 @@ class ImplicitPolynomial:
         return np.stack([self.tensor, *first])
 
     @cached_property
-    def _axes(self) -> tuple[FloatArray, FloatArray]:
-        """Middle and half length (d,) of t = (x − middle)/half, the variable of the univariate functions."""
+    def _box(self) -> Box:
+        """The box whose coordinates t in the cube are the variables of the univariate functions."""
         if self.basis is Basis.MONOMIAL:
-            return self.frame.centre, np.full(self.dimension, self.frame.scale)
-        lower, upper = self.bounds
-        return (lower + upper) / 2.0, (upper - lower) / 2.0
+            return Box(self.frame.centre, np.full(self.dimension, self.frame.scale))
+        return Box.of(self.bounds)
 
     def _table(self, coordinates: FloatArray, axis: int) -> FloatArray:
         """Return the univariate functions at raw coordinates along one axis, (n+1, M)."""
         return univariate.table(self.basis, self.variable(coordinates, axis), self.degree)
 
     def _differentiate(self, tensor: FloatArray, axis: int) -> FloatArray:
-        D = _differentiation(self.basis, self.degree) / self._axes[1][axis]
+        D = univariate.differentiation(self.basis, self.degree) / self._box.half[axis]
         rows = tensor.reshape(len(D) ** axis, len(D), -1)  # the axes before it, it, and those behind
         return np.asarray(np.matmul(D, rows).reshape(tensor.shape))
 

@@ -1,10 +1,11 @@
 """The two families of univariate functions whose products span the polynomials: powers, and Chebyshev polynomials.
 
-Fits are computed in Chebyshev products on the fit's bounds, which stay within ±1 there whatever the degree; answers are
-given in monomials of the frame, which anybody can evaluate. Both are graded, so both span the same spaces.
+Fits are computed in Chebyshev products on the bounds of the fit, which stay within ±1 there at any degree. Results are
+given in monomials of the frame, which are easy to evaluate anywhere. Both are graded, so both span the same spaces.
 """
 
 from enum import StrEnum
+from functools import lru_cache
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ipcore._typing import ExtendedArray, FloatArray
 
 
 class Basis(StrEnum):
-    """Which univariate functions the products are made of."""
+    """The univariate functions whose products are the terms of a polynomial."""
 
     MONOMIAL = "monomial"
     CHEBYSHEV = "chebyshev"
@@ -29,7 +30,7 @@ def table(basis: Basis, t: FloatArray, degree: int) -> FloatArray:
     if degree:
         values[1] = t
     known = min(degree, 1)
-    while known < degree:  # the next ones come from the highest and all below it, so few passes reach any degree
+    while known < degree:  # the highest known one times those below it gives as many again
         some = min(known, degree - known)
         new = values[known + 1 : known + some + 1]
         np.multiply(values[1 : some + 1], values[known], out=new)
@@ -40,8 +41,9 @@ def table(basis: Basis, t: FloatArray, degree: int) -> FloatArray:
     return values
 
 
+@lru_cache(maxsize=64)
 def differentiation(basis: Basis, degree: int) -> FloatArray:
-    """Return D, (n+1, n+1): if a are coefficients of a univariate polynomial, D a are its derivative's.
+    """Return D, (n+1, n+1), read-only: if a are the coefficients of a univariate polynomial, D a are its derivative's.
 
     >>> differentiation(Basis.MONOMIAL, 2) @ np.array([5.0, 3.0, 1.0])      # (5 + 3t + t²)' = 3 + 2t
     array([3., 2., 0.])
@@ -49,18 +51,19 @@ def differentiation(basis: Basis, degree: int) -> FloatArray:
     D = np.zeros((degree + 1, degree + 1))
     if basis is Basis.MONOMIAL:
         D[np.arange(degree), np.arange(1, degree + 1)] = np.arange(1, degree + 1)
-        return D
-    for k in range(1, degree + 1):  # T_k' = 2k (T_{k−1} + T_{k−3} + …), the term in T_0 halved
-        D[k - 1 :: -2, k] = 2.0 * k
-    D[0] /= 2.0
+    else:
+        for k in range(1, degree + 1):  # T_k' = 2k (T_{k−1} + T_{k−3} + …), the term in T_0 halved
+            D[k - 1 :: -2, k] = 2.0 * k
+        D[0] /= 2.0
+    D.setflags(write=False)
     return D
 
 
 def chebyshev_to_powers(degree: int, slope: float, offset: float) -> ExtendedArray:
     """Return K, (n+1, n+1): T_k(slope·u + offset) = Σ_j K[j, k] u^j.
 
-    In extended precision where the platform has it: the entries of one column alternate and nearly cancel, by a factor
-    that grows like (1 + √2)^n, 5e7 at degree 20.
+    It is computed in extended precision where the platform has it: the entries of one column have alternating signs and
+    nearly cancel, by a factor that grows like (1 + √2)^n, 5e7 at degree 20.
     """
     K = np.zeros((degree + 1, degree + 1), dtype=np.longdouble)
     K[0, 0] = 1.0
@@ -76,7 +79,7 @@ def powers_to_chebyshev(degree: int, slope: float, offset: float) -> ExtendedArr
     """Return L, (n+1, n+1): u^j = Σ_k L[k, j] T_k(slope·u + offset), the inverse of `chebyshev_to_powers`.
 
     With t = slope·u + offset each power is the one before it times (t − offset)/slope, and t T_k = (T_{k+1} +
-    T_{|k−1|})/2. In extended precision where the platform has it.
+    T_{|k−1|})/2. Computed in extended precision where the platform has it.
 
     >>> powers_to_chebyshev(2, 1.0, 0.0)[:, 2].astype(float).tolist()       # u² = (T_0 + T_2)/2
     [0.5, 0.0, 0.5]

@@ -18,7 +18,7 @@ MANY = 20_000
 
 @pytest.fixture(autouse=True)
 def _small(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stream, "LARGE", 1000)
+    monkeypatch.setattr(stream, "STREAMED_POINTS", 1000)
 
 
 def rough(count: int = MANY) -> tuple[FloatArray, FloatArray]:
@@ -57,12 +57,16 @@ def test_a_stream_is_fitted_as_the_points_are(way: str, tmp_path: Path) -> None:
     assert a.components == b.components
 
 
-def test_the_default_fit_of_a_stream_is_that_of_a_sample_judged_by_all_points(
+def test_the_default_fit_of_a_stream_is_that_of_a_sample_measured_at_all_points(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ipcore.points.sample.SIZE", 2000)
+    monkeypatch.setattr("ipcore.points.sample.SAMPLE_SIZE", 2000)
     points, normals = shapes.torus().sample(5000)
-    result = ipcore.fit(*mapped(tmp_path, points, normals))
+    on_disk = mapped(tmp_path, points, normals)
+    read = stream.streamed(*on_disk)
+    assert read is not None
+    assert len(read.sample.points) == 2000
+    result = ipcore.fit(*on_disk)
     assert result.stop_reason is ipcore.StopReason.CRITERION_MET
     assert result.degree <= 4
     at = np.abs(result.polynomial.distance(points)) / result.polynomial.frame.scale

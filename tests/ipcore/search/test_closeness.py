@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipcore import Constraints, FitOptions, fit_fixed, shapes
-from ipcore.points.oriented import PART, OrientedPoints
+from ipcore.points.oriented import PART_POINTS, OrientedPoints
 from ipcore.points.validation import check
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.search.closeness import closeness, closenesses, delivery_shift, distance_quantile, distances_and_cosines
@@ -18,7 +18,7 @@ def fits(count: int) -> tuple[OrientedPoints, list[ImplicitPolynomial]]:
     return data, [fit_fixed(data.points, data.normals, options, degree=n, method=method).polynomial for n in (2, 5, 3)]
 
 
-@pytest.mark.parametrize("count", [300, 2 * PART + 100])
+@pytest.mark.parametrize("count", [300, 2 * PART_POINTS + 100])
 def test_several_polynomials_are_seen_in_one_pass(count: int) -> None:
     data, polynomials = fits(count)
     # of one frame, as those of a search are; theirs is the normalised one but for rounding
