@@ -11,6 +11,7 @@ from ipcore.fitting import fit, fit_fixed
 from ipcore.moments import Moments
 from ipcore.options.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.options.fit_options import FitOptions
+from ipcore.planning import Plan, plan
 from ipcore.points.normals import NormalSource, estimate_normals
 from ipcore.points.validation import PointSet
 from ipcore.points.validation import check as check_points
@@ -39,6 +40,7 @@ __all__ = [
     "InvalidPolynomialError",
     "Moments",
     "NormalSource",
+    "Plan",
     "PointSet",
     "Preset",
     "Ridge",
@@ -50,5 +52,6 @@ __all__ = [
     "estimate_normals",
     "fit",
     "fit_fixed",
+    "plan",
     "zero_set",
 ]

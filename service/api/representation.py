@@ -39,7 +39,7 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
         "finished": fit.finished,
         "dimension": fit.input.dimension,
         "points": fit.input.points,
-        "options": fit.options,
+        "options": fit.requested.given,
     }
     if not fit.status.final:
         members["progress"] = progress

@@ -17,6 +17,7 @@ from service.jobs.use_cases import FitService
 from service.queue.runner import Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
+from service.workers.planner import FitPlanner
 from service.workers.pool import WorkerPool
 
 
@@ -52,7 +53,9 @@ async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: Fit
     async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
         reader = PointSetReader(clerks, settings.max_points, settings.mesh_deadline)
         exporter = MeshExporter(clerks, settings.mesh_deadline)
-        yield FitService(store, blobs, queue, reader, exporter, split_points=settings.split_points)
+        yield FitService(
+            store, blobs, queue, reader, exporter, planner=FitPlanner(), split_points=settings.split_points
+        )
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import orjson
 import typer
@@ -34,11 +34,11 @@ def fit(  # noqa: PLR0913 - one option each
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
     resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
     *,
-    options: dict[str, Any],
+    options: ipcore.FitOptions,
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
-        _run(file, ipcore.FitOptions.of(**options), {"mesh": mesh, "plot": plot, "output": output}, resolution)
+        _run(file, options, {"mesh": mesh, "plot": plot, "output": output}, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error

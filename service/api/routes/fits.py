@@ -5,18 +5,17 @@ from math import isfinite
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path, Query, Request, Response
-from pydantic import Field, ValidationError
+from pydantic import Field
 
+from service import options
 from service.api import body, negotiation
 from service.api.dependencies import Context, Here
 from service.api.openapi import problem, reference
 from service.api.preferences import DEFAULT_WAIT, Preferences
-from service.api.problems import pointer
 from service.api.representation import fit_response
 from service.api.schemas import FitResource
 from service.jobs.errors import InvalidInputError
 from service.jobs.media_types import FILES, MeshRequest, ZeroSetFormat
-from service.options import FitOptions
 
 router = APIRouter(prefix="/v1/fits", tags=["fits"])
 
@@ -40,7 +39,7 @@ def _problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     return {status: _PROBLEMS[status] for status in statuses}
 
 
-class FitQuery(FitOptions):
+class FitQuery(options.FitOptions):
     """Options in the query, and what the body is."""
 
     format: Literal["json", "npy"] | None = Field(None, description="What the body is; wins over Content-Type.")
@@ -100,11 +99,12 @@ async def create(request: Request, here: Here, query: Annotated[FitQuery, Query(
     kind = negotiation.point_set_kind(request, query.format)
     async with body.received(request, here.limits.body_bytes, here.incoming) as content:
         points = await here.desk.read(content, kind)
-    asked = query.model_dump(exclude_unset=True, exclude={"format"})
-    options = _checked(points.options).model_dump(exclude_unset=True) | asked
-    options = here.limits.checked(points, options)
+    requested = options.requested(points.options, query.model_dump(exclude_unset=True, exclude={"format"}))
+    requested = here.limits.capped(points.dimension, requested)
+    plan = here.desk.plan(points, requested)
+    here.limits.check_system(points, plan)
     wanted = negotiation.file_kind(request, points.dimension) if negotiation.wants_file(request) else None
-    fit = await here.desk.accept(points, options, _client(request), _key(request))
+    fit = await here.desk.accept(points, requested, plan, _client(request), _key(request))
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, here.limits.wait)
     fit = await here.desk.get(fit.id, seconds)
@@ -214,23 +214,6 @@ def _key(request: Request) -> str | None:
     if key is not None and not 0 < len(key) <= LONGEST_KEY:
         raise InvalidInputError(f"an Idempotency-Key has 1 to {LONGEST_KEY} characters")
     return key
-
-
-def _checked(options: dict[str, Any]) -> FitOptions:
-    """Return the options of a body.
-
-    Raises
-    ------
-    InvalidInputError
-        If one is unknown or has a value that it does not allow.
-
-    """
-    try:
-        return FitOptions.model_validate(options, strict=True)
-    except ValidationError as error:
-        first = error.errors()[0]
-        at = ("options", *first["loc"])
-        raise InvalidInputError(f"{pointer(at)}: {first['msg']}", at) from error
 
 
 def _corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
