@@ -63,11 +63,8 @@ __all__ = [
     "estimate_normals",
     "fit",
     "fit_fixed",
-<<<<<<< HEAD
-    "plan",
-=======
     "gap_radius",
+    "plan",
     "support_radius",
->>>>>>> core
     "zero_set",
 ]
