@@ -48,11 +48,13 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 
 
 @asynccontextmanager
-async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue) -> AsyncIterator[FitService]:
+async def fit_service(
+    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue
+) -> AsyncIterator[FitService]:
     """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
-    async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
-        reader = PointSetReader(clerks, settings.max_points, settings.mesh_deadline)
-        exporter = MeshExporter(clerks, settings.mesh_deadline)
+    async with pool(settings, 1, tries=MAX_CRASHES) as readers:
+        reader = PointSetReader(readers, settings.max_points, settings.mesh_deadline)
+        exporter = MeshExporter(readers, settings.mesh_deadline)
         yield FitService(
             store, blobs, queue, reader, exporter, planner=FitPlanner(), split_points=settings.split_points
         )

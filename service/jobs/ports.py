@@ -6,7 +6,7 @@ from typing import Any, Protocol, TypeVar
 
 import ipcore
 from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
-from service.jobs.media_types import MeshRequest
+from service.jobs.mesh_request import MeshRequest
 
 T = TypeVar("T")
 
@@ -177,7 +177,7 @@ class Planner(Protocol):
 
 
 class MeshExporter(Protocol):
-    """Draws zero sets."""
+    """Makes files of zero sets."""
 
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""

@@ -21,7 +21,7 @@ from service.jobs.errors import (
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
-from service.jobs.media_types import MeshRequest
+from service.jobs.mesh_request import MeshRequest
 from service.jobs.parts import split
 from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
 from service.jobs.requested_options import RequestedOptions
@@ -131,13 +131,13 @@ class FitService:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    async def draw(self, fit_id: str, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a successful fit.
+    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a successful fit.
 
         Raises
         ------
         FitNotFinishedError, FitWithoutResultError
-            If there is nothing to draw, yet or for good.
+            If it has no result yet, or will never have one.
 
         """
         fit = await self._get(fit_id)
@@ -150,7 +150,7 @@ class FitService:
         except NotReadyError:
             await self._get(fit_id)  # which says so, if the fit was removed in this very moment
             raise
-        return await self._exporter.draw(fit.result, points, fit.input.dimension, drawing)
+        return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
 
     async def check(self) -> None:
         """Return if fits can be stored and run.
