@@ -1,6 +1,7 @@
 """Fit implicit polynomials f(x) = 0 to 2D and 3D point sets, and find the degree that the points need."""
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore.constraints.families import Constraints
 from ipcore.errors import (
     InvalidNormalsError,
     InvalidOptionsError,
@@ -10,7 +11,7 @@ from ipcore.errors import (
 )
 from ipcore.fitting import fit, fit_fixed
 from ipcore.moments import Moments
-from ipcore.options.choices import Collinear, Constraints, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
+from ipcore.options.choices import Collinear, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.options.fit_options import DEFAULT_MAX_DEGREE, HIGHEST_DEGREE, FitOptions
 from ipcore.planning import Plan, plan
 from ipcore.points.normals import NormalSource, estimate_normals

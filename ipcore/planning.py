@@ -3,9 +3,6 @@
 from dataclasses import dataclass
 from math import comb
 
-import numpy as np
-
-from ipcore.linear.constraints import families
 from ipcore.moments import Moments
 from ipcore.options.choices import Factor
 from ipcore.options.fit_options import FitOptions
@@ -78,7 +75,7 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
 
     """
     degree = options.degree_cap(dimension)
-    rows = points * _rows_per_point(dimension, options)
+    rows = points * options.family.rows_per_point(dimension)
     columns = min(comb(degree + dimension, dimension), points)
     held = _holds_system(options)
     return Plan(
@@ -89,12 +86,6 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
         moment_degree=min(degree, MOMENT_DEGREE[dimension]),
         seconds=_seconds(dimension, points, degree, options),
     )
-
-
-def _rows_per_point(dimension: int, options: FitOptions) -> int:
-    """Return how many equations the constraint family has per point."""
-    one = np.eye(1, dimension)
-    return len(families.rows(one, one, options).groups)
 
 
 def _holds_system(options: FitOptions) -> bool:

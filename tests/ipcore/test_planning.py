@@ -7,7 +7,6 @@ import pytest
 
 import ipcore
 from ipcore import Constraints, Criterion, Factor, FitOptions
-from ipcore.linear.constraints import families
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -15,7 +14,7 @@ from ipcore.linear.constraints import families
 def test_rows_are_those_that_the_family_makes(dimension: int, family: Constraints) -> None:
     options = FitOptions(constraints=family)
     x = np.random.default_rng(0).normal(size=(7, dimension))
-    made = families.rows(x, x, options).b(1)
+    made = options.family.rows(x, x, options.row_parameters).b(1)
     assert ipcore.plan(dimension, 7, options, normals=True).rows == len(made)
 
 
