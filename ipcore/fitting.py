@@ -29,7 +29,7 @@ from ipcore.search.stopping import Judge, LastJudge, judge
 
 
 def fit(
-    points: ArrayLike | Iterator[Any],
+    points: ArrayLike | PointSet | Iterator[Any],
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
@@ -83,7 +83,7 @@ def fit(
 
 
 def fit_fixed(
-    points: ArrayLike,
+    points: ArrayLike | PointSet,
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
@@ -131,7 +131,7 @@ def fit_fixed(
     return _searched(given, options, [columns], LastJudge(), None)
 
 
-def _given(points: ArrayLike | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
+def _given(points: ArrayLike | PointSet | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
     """Return what is to be fitted, checked."""
     if isinstance(points, Iterator):
         return spooled(points, normals)

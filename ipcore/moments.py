@@ -24,6 +24,7 @@ from ipcore.points.digest import sha256
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.sample import Sample
 from ipcore.points.stream import streamed
+from ipcore.points.validation import PointSet
 from ipcore.polynomial.frame import Frame
 from ipcore.search.degree_search import DegreeSearch, Progress, stops
 from ipcore.search.report import answer
@@ -172,7 +173,7 @@ class Moments:
         self,
         options: FitOptions | None = None,
         *,
-        points: ArrayLike | None = None,
+        points: ArrayLike | PointSet | None = None,
         normals: ArrayLike | None = None,
         progress: Progress | None = None,
     ) -> FitResult:
@@ -276,7 +277,7 @@ class Moments:
         return data, MomentRows(self.layers), sha256(self.sample.points, self.sample.normals)
 
     def _with(
-        self, points: ArrayLike, normals: ArrayLike | None, options: FitOptions
+        self, points: ArrayLike | PointSet, normals: ArrayLike | None, options: FitOptions
     ) -> tuple[OrientedPoints, RowSource, str]:
         """Return the points, their rows, and their digest."""
         given = streamed(points, normals) or validation.check(points, normals)

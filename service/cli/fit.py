@@ -53,8 +53,9 @@ def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None]
     given = files.read_file(file, MAX_POINTS)
     writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
     points, normals = decode.split(given.content, given.dimension)
+    checked = given.summary.restored(points, normals)
     with _bar(options.degree_cap(given.dimension)) as show:
-        result = ipcore.fit(points, normals, options, progress=show)
+        result = ipcore.fit(checked, options=options, progress=show)
     _summarise(file, given, result)
     if targets["mesh"] is not None and writer is not None:
         zero_set = ipcore.zero_set(result.polynomial, resolution=resolution, data=points)

@@ -5,6 +5,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
+from service.jobs.point_set_summary import PointSetSummary
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 
@@ -80,23 +81,31 @@ class PointSet:
     ----------
     content
         An npy file of doubles: (N, d) points, or (N, 2d) points and unit normals.
+    key
+        SHA-256 of the content, under which it will be stored.
     dimension, points
         d and N.
     normals
         Whether the points come with normals.
     options
         The options in the same body, by name, unchecked.
-    frame
-        Its frame, if it has normals and is not planar: then sums over its points can be made part by part.
+    summary
+        What was worked out of it when it was checked.
 
     """
 
     content: bytes
+    key: str
     dimension: int
     points: int
     normals: bool
     options: dict[str, Any]
-    frame: Frame | None = None
+    summary: PointSetSummary
+
+    @property
+    def frame(self) -> Frame | None:
+        """Return the frame in which parts of the points can be summed; None without normals or on a plane."""
+        return self.summary.frame if self.normals and not self.summary.planar else None
 
 
 @dataclass(frozen=True)
@@ -111,6 +120,8 @@ class PointSetRef:
         d and N.
     size
         Its bytes.
+    summary
+        What was worked out of it when it was checked; None in databases of version 0.1.
 
     """
 
@@ -118,6 +129,7 @@ class PointSetRef:
     dimension: int
     points: int
     size: int = 0
+    summary: PointSetSummary | None = None
 
 
 @dataclass(frozen=True)

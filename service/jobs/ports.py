@@ -89,8 +89,8 @@ class FitStore(Protocol):
 class BlobStore(Protocol):
     """Bytes under the name of their SHA-256, durable. Picklable: workers read from it."""
 
-    def put(self, content: bytes) -> str:
-        """Store and return the key; when this returns they survive a crash."""
+    def put(self, content: bytes, key: str | None = None) -> str:
+        """Store and return the key; when this returns they survive a crash. `key` is the SHA-256, if it is known."""
 
     def get(self, key: str, start: int | None = None, end: int | None = None) -> bytes:
         """Return the bytes, or some of them."""

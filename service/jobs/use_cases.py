@@ -104,7 +104,7 @@ class FitService:
     async def _add(self, new: Fit, content: bytes, parts: list[Fit]) -> Fit:
         """Store a fit with its input; if it cannot be stored, leave no input that takes the last room on the disk."""
         try:
-            return await _asked(self._store.add, new, lambda: self._blobs.put(content), parts)
+            return await _asked(self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts)
         except NotReadyError:
             with suppress(Exception):
                 await asyncio.to_thread(self._store.discard, new.input.key, self._blobs.delete)
@@ -203,12 +203,11 @@ async def _asked(call: Callable[..., T], *arguments: object) -> T:
 
 
 def _new_fit(points: PointSet, requested: RequestedOptions, plan: ipcore.Plan, client: str, key: str | None) -> Fit:
-    blob = hashlib.sha256(points.content).hexdigest()
-    payload = orjson.dumps([blob, points.dimension, requested.given], option=orjson.OPT_SORT_KEYS)
+    payload = orjson.dumps([points.key, points.dimension, requested.given], option=orjson.OPT_SORT_KEYS)
     return Fit(
         id=uuid4().hex,
         status=FitStatus.ACCEPTED,
-        input=PointSetRef(blob, points.dimension, points.points, len(points.content)),
+        input=PointSetRef(points.key, points.dimension, points.points, len(points.content), points.summary),
         requested=requested,
         created=datetime.now(UTC),
         client=client,

@@ -21,8 +21,6 @@ from service.workers.progress import report
 # Bytes that hold the header of any npy of ours: numpy pads it to a multiple of 64, and 128 are enough for two axes.
 HEADER = 256
 
-Columns = tuple[NDArray[Any], NDArray[Any] | None]
-
 
 def fit(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions) -> bytes:
     """Fit a stored point set and return the answer as JSON; every degree is reported as it is made.
@@ -33,8 +31,7 @@ def fit(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions) -> byt
         If the point set cannot be read, which is no fault of the fit.
 
     """
-    points, normals = _halves(_table(blobs, given.key), given.dimension)
-    return _json(ipcore.fit(points, normals, options, progress=_report))
+    return _json(ipcore.fit(_point_set(blobs, given), options=options, progress=_report))
 
 
 def part(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, some: Slice) -> bytes:
@@ -66,9 +63,8 @@ def rest(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, sums:
         As for `fit`.
 
     """
-    points, normals = _halves(_table(blobs, given.key), given.dimension)
     moments = reduce(add, (ipcore.Moments.load(BytesIO(one)) for one in sums))
-    return _json(moments.fit(options, points=points, normals=normals, progress=_report))
+    return _json(moments.fit(options, points=_point_set(blobs, given), progress=_report))
 
 
 def _summed_degree(given: PointSetRef, options: ipcore.FitOptions) -> int:
@@ -88,13 +84,13 @@ def _json(result: ipcore.FitResult) -> bytes:
     return orjson.dumps(result.to_dict())
 
 
-def _halves(table: NDArray[Any], dimension: int) -> Columns:
-    return table[:, :dimension], table[:, dimension:] if table.shape[1] > dimension else None
-
-
-def _table(blobs: BlobStore, key: str) -> NDArray[Any]:
-    table: NDArray[Any] = np.load(BytesIO(_read(blobs, key)), allow_pickle=False)
-    return table
+def _point_set(blobs: BlobStore, given: PointSetRef) -> ipcore.PointSet:
+    """Return a stored point set. It was checked when it came; in databases of version 0.1 its summary was not kept."""
+    table = np.load(BytesIO(_read(blobs, given.key)), allow_pickle=False)
+    points, normals = table[:, : given.dimension], table[:, given.dimension :]
+    if given.summary is None:
+        return ipcore.check_points(points, normals if normals.size else None)
+    return given.summary.restored(points, normals if normals.size else None)
 
 
 def _rows(blobs: BlobStore, key: str, first: int, last: int) -> NDArray[Any]:

@@ -15,13 +15,16 @@ import ipcore
 from service.api.limits import Limits
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.point_set_summary import PointSetSummary
 from service.jobs.requested_options import RequestedOptions
+from service.jobs.slices import Frame
 from service.workers.planner import FitPlanner
 from tests.service.bodies import HALF_A_MINUTE, ellipse, npy, torus
 from tests.service.running import Server
 
 MIB = 2**20
 NPY = {"Content-Type": "application/x-npy"}
+SUMMARY = PointSetSummary(planar=False, frame=Frame((0.0, 0.0, 0.0), 1.0), sha256="")
 LIMITS = Limits(MIB, {2: 10, 3: 6}, {2: 100, 3: 50}, 10_000_000, 10.0)
 
 
@@ -42,6 +45,10 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     server.stop()
 
 
+def point_set(points: int) -> PointSet:
+    return PointSet(b"", "", 3, points, normals=True, options={}, summary=SUMMARY)
+
+
 @pytest.mark.parametrize(("dimension", "highest"), [(2, 10), (3, 6)])
 def test_a_degree_over_the_limit_is_refused(dimension: int, highest: int) -> None:
     given = RequestedOptions({"max_degree": highest})
@@ -59,7 +66,7 @@ def test_a_system_over_the_limit_is_refused() -> None:
     most = 10_000_000 // (24 * columns)
 
     def check(points: int, **options: Any) -> None:  # noqa: ANN401 - any
-        given = PointSet(b"", 3, points, normals=True, options={})
+        given = point_set(points)
         LIMITS.check_system(given, FitPlanner().plan(given, ipcore.FitOptions.of(**({"max_degree": 6} | options))))
 
     check(most, factor="block")
@@ -71,7 +78,7 @@ def test_a_system_over_the_limit_is_refused() -> None:
 
 def test_options_that_the_dimension_does_not_allow_are_named() -> None:
     with pytest.raises(InvalidInputError, match="at most 20 for 3D points") as refused:
-        FitPlanner().plan(PointSet(b"", 3, 9, normals=True, options={}), ipcore.FitOptions(max_degree=21))
+        FitPlanner().plan(point_set(9), ipcore.FitOptions(max_degree=21))
     assert refused.value.at == ("options", "max_degree")
 
 

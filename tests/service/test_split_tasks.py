@@ -49,7 +49,7 @@ def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dic
         RequestedOptions(LINEAR | options),
     )
     assert read.frame is not None
-    given, chosen = PointSetRef(blobs.put(read.content), dimension, 2500), requested.complete
+    given, chosen = PointSetRef(blobs.put(read.content), dimension, 2500, summary=read.summary), requested.complete
     fit = Fit("one", FitStatus.ACCEPTED, given, requested, datetime.now(UTC))
     parts = [one.slice for one in split(fit, read.frame, 700)[1]]
     sums = [tasks.part(blobs, given, chosen, some) for some in parts if some is not None]
@@ -79,3 +79,16 @@ def test_a_part_that_is_missing_or_comes_twice_is_noticed(tmp_path: Path) -> Non
 def test_points_that_are_away_are_no_fault_of_the_part(tmp_path: Path) -> None:
     with pytest.raises(NotReadyError, match="cannot be read"):
         tasks.part(Blobs(str(tmp_path)), PointSetRef("0" * 64, 3, 9), CHOSEN, Slice(0, 9, Frame((0.0, 0.0, 0.0), 1.0)))
+
+
+@pytest.mark.parametrize("normals", [True, False])
+def test_a_stored_point_set_is_fitted_as_the_library_fits_it(tmp_path: Path, *, normals: bool) -> None:
+    table = noisy(shapes.ellipse(), 300)
+    read, blobs = decode.read(npy(table if normals else table[:, :2]), "npy", 300), Blobs(str(tmp_path))
+    given = PointSetRef(blobs.put(read.content, read.key), 2, 300, summary=read.summary)
+    fitted = orjson.loads(tasks.fit(blobs, given, CHOSEN))
+    expected = ipcore.fit(table[:, :2], table[:, 2:] if normals else None, CHOSEN).to_dict()
+    assert fitted["polynomial"]["coefficients"] == list(expected["polynomial"]["coefficients"])
+    assert fitted["engine"]["input_sha256"] == expected["engine"]["input_sha256"]
+    earlier = orjson.loads(tasks.fit(blobs, PointSetRef(given.key, 2, 300), CHOSEN))  # as version 0.1 stored it
+    assert earlier["polynomial"]["frame"] == fitted["polynomial"]["frame"]
