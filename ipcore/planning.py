@@ -1,24 +1,55 @@
-"""The time and memory that a fit will take, predicted before it runs."""
+r"""The time and memory that a fit will take, predicted before it runs.
+
+The predicted time is that of a fit that goes on to its last degree n_max, on one thread: a queue plans with an upper
+estimate. A fit that stops at a lower degree takes less, often much less. With d dimensions, N points and
+m_n = C(n + d, d) coefficients at degree n, the time is a sum of these terms, each with a constant below:
+
+    preparation         1, N
+    normals             N, k N                                  k neighbours; if no normals are given
+    geometric fit       Σ_n p_n C(2n + d, d)                    p_n points, from which degree n is fitted; robust: N
+    signs only          Σ_n g_n                                 g_n nodes of the grid on which signs are constrained
+    linear fit          N Σ m                                   D_dist and D_smooth at every degree, or every column
+      by moments        rows · C(2n + d, d)
+      by chunks of rows rows · m, rows · m²
+      all rows held     rows · m²
+
+The sums run over n = 1 … n_max. `bench/PREDICTIONS.md` has predictions beside measured times: those of fits of noisy
+points that went to their last degree are within a factor of 3, from 100 to 1,000,000 points. The constants were fitted
+to half of those cases, as seconds of one core of 2.5 GHz, so that the logarithms of the ratios are small.
+"""
 
 from dataclasses import dataclass
 from math import comb
 
 from ipcore.moments import Moments
-from ipcore.options.choices import Factor
+from ipcore.options.choices import Factor, Granularity
 from ipcore.options.fit_options import FitOptions
 
-# Multiplications and additions a second where all rows and columns are held, and where rows are factored in chunks;
-# from fits of 200 to 20,000 points and degrees 7 to 30 on one core of 2.5 GHz.
-SPEED, CHUNKED = 4e9, 1.5e10
-# Seconds per row and moment of a fit from moments, with the look at each of its degrees.
-PER_MOMENT = 6e-10
-# The degrees above which the condition of moments mostly is too bad, so that rows are factored instead.
-MOMENT_DEGREE = {2: 16, 3: 13}
-# Seconds per coefficient, and per coefficient squared, of a geometric fit: it hardly depends on the number of points,
-# from fits of 100 to 20,000 points and degrees 6 to 20.
-PER_COLUMN, PER_PAIR = 6e-3, 2.5e-5
-# Seconds for everything else. With these constants the prediction is within a factor of 3 of what was measured.
-OVERHEAD = {2: 0.05, 3: 0.3}
+# Seconds that any fit takes: by dimension, and per point.
+LINEAR_BASE, GEOMETRIC_BASE = {2: 0.06, 3: 0.2}, {2: 0.24, 3: 1.0}
+PREPARATION_PER_POINT = 5e-7
+# Seconds per point, and per point and neighbour, for estimated normals.
+NORMALS_PER_POINT, NORMALS_PER_NEIGHBOUR = {2: 1.2e-5, 3: 7.7e-6}, 4.9e-7
+# Bytes that they take per point, and per point and neighbour.
+NORMALS_BYTES, NEIGHBOUR_BYTES = 200, 47
+# Seconds per point and moment of a geometric fit: some twenty Gauss–Newton steps at each degree.
+GEOMETRIC_PER_MOMENT = {2: 9e-7, 3: 1.4e-6}
+ROBUST_PER_POINT = 1.9e-5
+# The points from which a geometric fit begins at each degree, as in `ipcore.geometric`: at least, and per coefficient.
+GEOMETRIC_POINTS, GEOMETRIC_POINTS_PER_COLUMN = 2000, 6
+# Seconds per node of a fit under sign constraints alone; nodes per axis as in `ipcore.geometric`: per degree, at least,
+# and in what steps they grow.
+SIGNS_PER_NODE = {2: 4.5e-6, 3: 1.8e-6}
+NODES_PER_DEGREE, FEWEST_NODES, NODE_STEP = {2: 10, 3: 6}, 33, 16
+# Seconds per point and coefficient of D_dist and D_smooth.
+CLOSENESS_PER_ENTRY = 4e-9
+# Seconds per row and moment; per row and coefficient; per row and squared coefficient of rows in chunks, of rows that
+# are held, and by eq. (5), which goes column by column.
+LINEAR_PER_MOMENT = {2: 4e-9, 3: 1.2e-9}
+CHUNK_PER_ENTRY, CHUNK_PER_SQUARE, HELD_PER_SQUARE, COLUMNWISE_PER_SQUARE = 4e-8, 7e-11, 6.5e-10, 1.5e-9
+# The degree up to which parts of a point set are summed: above it, the condition of moments is often too bad for them
+# to be of use. On noisy points in 3D they are of use a little longer.
+MOMENT_DEGREE, NOISY_MOMENT_DEGREE = {2: 16, 3: 13}, {2: 16, 3: 15}
 
 
 @dataclass(frozen=True)
@@ -33,18 +64,21 @@ class Plan:
         Equations of its linear system.
     held_bytes
         Bytes of the linear system, if it is held as a whole; else 0.
+    normals_bytes
+        Predicted bytes that the estimation of normals takes; 0 if they are given.
     summable
         Whether the fit can be made from moments, which add over parts of the points.
     moment_degree
         The degree up to which moments are of use to it.
     seconds
-        Predicted time on one thread.
+        Predicted time on one thread, if it goes on to its last degree.
 
     """
 
     max_degree: int
     rows: int
     held_bytes: int
+    normals_bytes: int
     summable: bool
     moment_degree: int
     seconds: float
@@ -60,7 +94,8 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
     options
         See `FitOptions`.
     normals
-        Whether the points come with normals.
+        Whether the points come with normals. Without them, points are taken to be in no order: normals of an outline
+        take a quarter to a half of the time predicted for them.
 
     Raises
     ------
@@ -72,20 +107,34 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
     >>> block = plan(3, 20_000, FitOptions(max_degree=12, factor=Factor.BLOCK), normals=True)
     >>> block.rows, block.held_bytes // 2**20, block.summable
     (60000, 208, False)
+    >>> scan = plan(3, 1_000_000, FitOptions(max_degree=4, neighbours=100), normals=False)
+    >>> round(scan.seconds), round(scan.normals_bytes / 1e9, 1)
+    (60, 4.9)
 
     """
     degree = options.degree_cap(dimension)
     rows = points * options.family.rows_per_point(dimension)
     columns = min(comb(degree + dimension, dimension), points)
-    held = _holds_system(options)
+    seconds = PREPARATION_PER_POINT * points
+    if not normals:
+        seconds += points * (NORMALS_PER_POINT[dimension] + NORMALS_PER_NEIGHBOUR * options.neighbours)
+    seconds += (_linear if options.is_linear else _geometric)(
+        dimension, points, _last(dimension, points, degree), options
+    )
     return Plan(
         max_degree=degree,
         rows=rows,
-        held_bytes=8 * rows * columns if held else 0,
+        held_bytes=8 * rows * columns if _holds_system(options) else 0,
+        normals_bytes=0 if normals else points * (NORMALS_BYTES + NEIGHBOUR_BYTES * options.neighbours),
         summable=normals and Moments.can_fit(options),
         moment_degree=min(degree, MOMENT_DEGREE[dimension]),
-        seconds=_seconds(dimension, points, degree, options),
+        seconds=seconds,
     )
+
+
+def _last(d: int, points: int, degree: int) -> int:
+    """Return the last degree, at most `degree`, that has no more coefficients than there are points."""
+    return max((n for n in range(1, degree + 1) if comb(n + d, d) <= points), default=1)
 
 
 def _holds_system(options: FitOptions) -> bool:
@@ -93,16 +142,35 @@ def _holds_system(options: FitOptions) -> bool:
     return options.is_linear and (options.factor in {Factor.BLOCK, Factor.GRAM_SCHMIDT} or options.needs_rows)
 
 
-def _seconds(dimension: int, points: int, degree: int, options: FitOptions) -> float:
-    columns = min(comb(degree + dimension, dimension), 3 * points)
-    if options.is_linear:
-        return OVERHEAD[dimension] + _of_rows(dimension, points, degree, columns, held=_holds_system(options))
-    return OVERHEAD[dimension] + PER_COLUMN * columns + PER_PAIR * columns**2
+def _geometric(d: int, points: int, last: int, options: FitOptions) -> float:
+    """Return the seconds of a geometric fit, or one under sign constraints alone, without its preparation."""
+    seconds = GEOMETRIC_BASE[d] + (ROBUST_PER_POINT * points if options.robust else 0.0)
+    if not options.on_geometric:
+        return seconds + SIGNS_PER_NODE[d] * sum(_nodes(d, n) for n in range(1, last + 1))
+    used = [
+        min(points, max(GEOMETRIC_POINTS, GEOMETRIC_POINTS_PER_COLUMN * comb(n + d, d))) for n in range(1, last + 1)
+    ]
+    return seconds + GEOMETRIC_PER_MOMENT[d] * sum(p * comb(2 * n + d, d) for n, p in enumerate(used, start=1))
 
 
-def _of_rows(dimension: int, points: int, degree: int, columns: int, *, held: bool) -> float:
-    factored = 6.0 * points * columns**2
-    if held:
-        return factored / SPEED
-    moments = PER_MOMENT * 3.0 * points * comb(2 * degree + dimension, dimension)
-    return moments + (factored / CHUNKED if degree > MOMENT_DEGREE[dimension] else 0.0)
+def _nodes(d: int, degree: int) -> int:
+    """Return the number of nodes at which signs are constrained."""
+    steps = -(-NODES_PER_DEGREE[d] * degree // NODE_STEP)
+    return int(max(FEWEST_NODES, 1 + NODE_STEP * steps) ** d)
+
+
+def _linear(d: int, points: int, last: int, options: FitOptions) -> float:
+    """Return the seconds of a linear fit without its preparation."""
+    rows, columns = points * options.family.rows_per_point(d), comb(last + d, d)
+    by_column = options.granularity is Granularity.MONOMIAL
+    tested = columns**2 / 2.0 if by_column else sum(comb(n + d, d) for n in range(1, last + 1))
+    seconds = LINEAR_BASE[d] + CLOSENESS_PER_ENTRY * points * tested
+    if _holds_system(options):
+        eq5 = options.factor is Factor.GRAM_SCHMIDT
+        return seconds + (COLUMNWISE_PER_SQUARE if eq5 else HELD_PER_SQUARE) * rows * columns**2
+    moments = bool(options.layer_offsets) and options.factor is not Factor.TSQR
+    if moments:
+        seconds += LINEAR_PER_MOMENT[d] * rows * comb(2 * min(last, NOISY_MOMENT_DEGREE[d]) + d, d)
+    if not moments or last > NOISY_MOMENT_DEGREE[d]:
+        seconds += rows * (CHUNK_PER_ENTRY * columns + CHUNK_PER_SQUARE * columns**2)
+    return seconds
