@@ -21,6 +21,7 @@ to half of those cases, as seconds of one core of 2.5 GHz, so that the logarithm
 from dataclasses import dataclass
 from math import comb
 
+from ipcore.geometric.fit import FEWEST_NODES, FEWEST_POINTS, NODES_PER_DEGREE, NODES_STEP, POINTS_PER_COLUMN
 from ipcore.moments import Moments
 from ipcore.options.choices import Factor, Granularity
 from ipcore.options.fit_options import FitOptions
@@ -35,12 +36,8 @@ NORMALS_BYTES, NEIGHBOUR_BYTES = 200, 47
 # Seconds per point and moment of a geometric fit: some twenty Gauss–Newton steps at each degree.
 GEOMETRIC_PER_MOMENT = {2: 9e-7, 3: 1.4e-6}
 ROBUST_PER_POINT = 1.9e-5
-# The points from which a geometric fit begins at each degree, as in `ipcore.geometric`: at least, and per coefficient.
-GEOMETRIC_POINTS, GEOMETRIC_POINTS_PER_COLUMN = 2000, 6
-# Seconds per node of a fit under sign constraints alone; nodes per axis as in `ipcore.geometric`: per degree, at least,
-# and in what steps they grow.
+# Seconds per node of a fit under sign constraints alone.
 SIGNS_PER_NODE = {2: 4.5e-6, 3: 1.8e-6}
-NODES_PER_DEGREE, FEWEST_NODES, NODE_STEP = {2: 10, 3: 6}, 33, 16
 # Seconds per point and coefficient of D_dist and D_smooth.
 CLOSENESS_PER_ENTRY = 4e-9
 # Seconds per row and moment; per row and coefficient; per row and squared coefficient of rows in chunks, of rows that
@@ -109,7 +106,7 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
     (60000, 208, False)
     >>> scan = plan(3, 1_000_000, FitOptions(max_degree=4, neighbours=100), normals=False)
     >>> round(scan.seconds), round(scan.normals_bytes / 1e9, 1)
-    (60, 4.9)
+    (59, 4.9)
 
     """
     degree = options.degree_cap(dimension)
@@ -118,9 +115,8 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
     seconds = PREPARATION_PER_POINT * points
     if not normals:
         seconds += points * (NORMALS_PER_POINT[dimension] + NORMALS_PER_NEIGHBOUR * options.neighbours)
-    seconds += (_linear if options.is_linear else _geometric)(
-        dimension, points, _last(dimension, points, degree), options
-    )
+    last = _last(dimension, points, degree)
+    seconds += (_linear if options.is_linear else _geometric)(dimension, points, last, options)
     return Plan(
         max_degree=degree,
         rows=rows,
@@ -145,18 +141,17 @@ def _holds_system(options: FitOptions) -> bool:
 def _geometric(d: int, points: int, last: int, options: FitOptions) -> float:
     """Return the seconds of a geometric fit, or one under sign constraints alone, without its preparation."""
     seconds = GEOMETRIC_BASE[d] + (ROBUST_PER_POINT * points if options.robust else 0.0)
+    degrees = range(1, last + 1)
     if not options.on_geometric:
-        return seconds + SIGNS_PER_NODE[d] * sum(_nodes(d, n) for n in range(1, last + 1))
-    used = [
-        min(points, max(GEOMETRIC_POINTS, GEOMETRIC_POINTS_PER_COLUMN * comb(n + d, d))) for n in range(1, last + 1)
-    ]
-    return seconds + GEOMETRIC_PER_MOMENT[d] * sum(p * comb(2 * n + d, d) for n, p in enumerate(used, start=1))
+        return seconds + SIGNS_PER_NODE[d] * sum(_nodes(d, n) for n in degrees)
+    used = [min(points, max(FEWEST_POINTS, POINTS_PER_COLUMN * comb(n + d, d))) for n in degrees]
+    return seconds + GEOMETRIC_PER_MOMENT[d] * sum(p * comb(2 * n + d, d) for n, p in zip(degrees, used, strict=True))
 
 
 def _nodes(d: int, degree: int) -> int:
     """Return the number of nodes at which signs are constrained."""
-    steps = -(-NODES_PER_DEGREE[d] * degree // NODE_STEP)
-    return int(max(FEWEST_NODES, 1 + NODE_STEP * steps) ** d)
+    steps = -(-NODES_PER_DEGREE[d] * degree // NODES_STEP)
+    return int(max(FEWEST_NODES, 1 + NODES_STEP * steps) ** d)
 
 
 def _linear(d: int, points: int, last: int, options: FitOptions) -> float:
