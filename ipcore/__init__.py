@@ -14,6 +14,7 @@ from ipcore.moments import Moments
 from ipcore.options.choices import Collinear, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
 from ipcore.options.degrees import DEFAULT_MAX_DEGREE, HIGHEST_DEGREE
 from ipcore.options.fit_options import FitOptions
+from ipcore.planning import Plan, plan
 from ipcore.points.normals import NormalSource, estimate_normals
 from ipcore.points.validation import PointSet
 from ipcore.points.validation import check as check_points
@@ -51,6 +52,7 @@ __all__ = [
     "InvalidPolynomialError",
     "Moments",
     "NormalSource",
+    "Plan",
     "PointSet",
     "Preset",
     "Ridge",
@@ -65,6 +67,7 @@ __all__ = [
     "fit",
     "fit_fixed",
     "gap_radius",
+    "plan",
     "support_radius",
     "zero_set",
 ]

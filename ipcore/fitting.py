@@ -34,7 +34,7 @@ from ipcore.search.stopping_rule import StoppingRule
 
 
 def fit(
-    points: ArrayLike | Iterator[Any],
+    points: ArrayLike | PointSet | Iterator[Any],
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
@@ -89,7 +89,7 @@ def fit(
 
 
 def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
-    points: ArrayLike,
+    points: ArrayLike | PointSet,
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
@@ -142,7 +142,7 @@ def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
         return _search(checked, options, [columns], progress)
 
 
-def _checked(points: ArrayLike | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
+def _checked(points: ArrayLike | PointSet | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
     """Return the points and normals, checked: held, or as a stream."""
     if isinstance(points, Iterator):
         return spooled(points, normals)

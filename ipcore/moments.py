@@ -15,6 +15,7 @@ from ipcore.points import validation
 from ipcore.points.digest import sha256
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.stream import streamed
+from ipcore.points.validation import PointSet
 from ipcore.search.degree_search import DegreeSearch, Progress, column_counts
 from ipcore.search.report import fit_result
 from ipcore.search.result import FitResult
@@ -64,7 +65,7 @@ class Moments(SummedPoints):
         self,
         options: FitOptions | None = None,
         *,
-        points: ArrayLike | None = None,
+        points: ArrayLike | PointSet | None = None,
         normals: ArrayLike | None = None,
         progress: Progress | None = None,
     ) -> FitResult:
@@ -134,7 +135,7 @@ class Moments(SummedPoints):
         return data, MomentRows(self.layers), sha256(self.sample.points, self.sample.normals)
 
     def _with(
-        self, points: ArrayLike, normals: ArrayLike | None, options: FitOptions
+        self, points: ArrayLike | PointSet, normals: ArrayLike | None, options: FitOptions
     ) -> tuple[OrientedPoints, RowSource, str]:
         """Return the points in the frame, their rows, and their digest."""
         checked = streamed(points, normals) or validation.check(points, normals)

@@ -14,6 +14,7 @@ from ipcore.errors import InvalidNormalsError, InvalidPointsError
 from ipcore.points import validation
 from ipcore.points.digest import Digest
 from ipcore.points.sample import Sample
+from ipcore.points.validation import PointSet
 from ipcore.polynomial.frame import Frame
 
 STREAMED_POINTS = (
@@ -98,7 +99,7 @@ class PointStream:
         return cls(points, normals, frame, box, planar, sample, digest.hexdigest())
 
 
-def streamed(points: ArrayLike, normals: ArrayLike | None) -> PointStream | None:
+def streamed(points: ArrayLike | PointSet, normals: ArrayLike | None) -> PointStream | None:
     """Return the stream of points and normals (N, d), or None if the points are to be held in memory.
 
     Points are streamed if they are memory-mapped, at least `STREAMED_POINTS`, and have normals: to estimate normals

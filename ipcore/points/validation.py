@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidNormalsError, InvalidPointsError, IPCoreError
 from ipcore.points import digest
+from ipcore.polynomial.frame import Frame
 
 # A principal extent below this share of the longest one counts as 0. Points stored in single precision have rounding
 # errors of 6e-8, so a shape thinner than that cannot be distinguished from a line or a plane.
@@ -26,30 +27,31 @@ class PointSet:
         (N, d), unit length, or None.
     planar
         Whether 3D points all lie on one plane, which a polynomial of degree 1 represents.
+    frame
+        The normalised frame of the points.
+    sha256
+        The digest of points and normals, as `ipcore.points.digest` defines it.
 
     """
 
     points: FloatArray
     normals: FloatArray | None
     planar: bool
-
-    @property
-    def sha256(self) -> str:
-        """Return the digest of points and normals, as `digest` defines it."""
-        return digest.sha256(self.points, self.normals)
+    frame: Frame
+    sha256: str
 
 
-def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
+def check(points: ArrayLike | PointSet, normals: ArrayLike | None = None) -> PointSet:
     """Return points (N, d) and normals (N, d), of any length but 0, as a point set; raise if they cannot be fitted.
 
-    The error says what is wrong, and its `at` where.
+    The error says what is wrong, and its `at` where. A `PointSet`, which was checked before, is returned as it is.
 
     Raises
     ------
     InvalidPointsError
         Wrong shape, NaN or infinite, fewer than d + 1 points, all equal, or all on one line.
     InvalidNormalsError
-        Another shape than the points', NaN or infinite, or of zero length.
+        Another shape than the points', NaN or infinite, or of zero length; or given beside a `PointSet`.
 
     Examples
     --------
@@ -58,13 +60,18 @@ def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
     ipcore.errors.InvalidPointsError: points must be finite: row 1, column 1 is nan (1 value in all)
 
     """
+    if isinstance(points, PointSet):
+        if normals is not None:
+            raise InvalidNormalsError("a PointSet has its own normals: no others can be given", ("normals",))
+        return points
     x = matrix("points", points, InvalidPointsError)
     check_shape(x.shape)
     n = None if normals is None else unit(normals, x)
     centred = x - x.mean(axis=0)
     size = extent(centred, x)
     R = np.asarray(np.linalg.qr(centred / size, mode="r"))
-    return PointSet(x, n, rank(R, size, float(np.abs(x).max())) < x.shape[1])
+    planar = rank(R, size, float(np.abs(x).max())) < x.shape[1]
+    return PointSet(x, n, planar, Frame.of(x), digest.sha256(x, n))
 
 
 def check_shape(shape: tuple[int, ...]) -> None:

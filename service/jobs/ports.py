@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+import ipcore
 from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
-from service.jobs.media_types import MeshRequest
+from service.jobs.mesh_request import MeshRequest
 
 T = TypeVar("T")
 
@@ -88,8 +89,8 @@ class FitStore(Protocol):
 class BlobStore(Protocol):
     """Bytes under the name of their SHA-256, durable. Picklable: workers read from it."""
 
-    def put(self, content: bytes) -> str:
-        """Store and return the key; when this returns they survive a crash."""
+    def put(self, content: bytes, key: str | None = None) -> str:
+        """Store and return the key; when this returns they survive a crash. `key` is the SHA-256, if it is known."""
 
     def get(self, key: str, start: int | None = None, end: int | None = None) -> bytes:
         """Return the bytes, or some of them."""
@@ -160,22 +161,23 @@ class Reader(Protocol):
 
         """
 
-    def check(self, dimension: int, options: dict[str, Any]) -> None:
-        """Refuse options that cannot be meant, alone or together.
+
+class Planner(Protocol):
+    """Predicts the time and memory of fits."""
+
+    def plan(self, points: PointSet, options: ipcore.FitOptions) -> ipcore.Plan:
+        """Return what a fit of these points with these options will take.
 
         Raises
         ------
         InvalidInputError
-            If there are any; `at` names one.
+            If the options are not allowed for points of this dimension; `at` names one.
 
         """
 
-    def sums(self, options: dict[str, Any]) -> bool:
-        """Return whether a fit with these options, which were checked, can be made of sums over its points."""
-
 
 class MeshExporter(Protocol):
-    """Draws zero sets."""
+    """Makes files of zero sets."""
 
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""

@@ -35,9 +35,9 @@ class Blobs:
     url: str
     patience: float = 20.0
 
-    def put(self, content: bytes) -> str:
-        """Store bytes and return their key, which never names half a blob."""
-        key = hashlib.sha256(content).hexdigest()
+    def put(self, content: bytes, key: str | None = None) -> str:
+        """Store bytes and return their key, which never names half a blob; `key` is their SHA-256, if it is known."""
+        key = key or hashlib.sha256(content).hexdigest()
         fs, path = self._at(key)
         if not fs.exists(path, **self._limits(fs)):
             if OBJECT_STORES.intersection(_protocols(fs)):

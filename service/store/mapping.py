@@ -6,6 +6,8 @@ import orjson
 from sqlalchemy import ColumnElement, Connection, Row, func, select, update
 
 from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef
+from service.jobs.point_set_summary import PointSetSummary
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.store.schema import fits
 
@@ -42,7 +44,7 @@ def from_fit(fit: Fit) -> dict[str, Any]:
         "dimension": fit.input.dimension,
         "points": fit.input.points,
         "size": fit.input.size,
-        "options": orjson.dumps(fit.options),
+        "options": orjson.dumps(fit.requested.given),
         "client": fit.client,
         "cost": fit.cost,
         "key": fit.key,
@@ -52,17 +54,20 @@ def from_fit(fit: Fit) -> dict[str, Any]:
         "parts": fit.parts,
         "unsummed": fit.unsummed,
         "whole": fit.whole,
-        "slice": None if fit.slice is None else orjson.dumps(fit.slice).decode(),
+        "slice": _json(fit.slice),
+        "summary": _json(fit.input.summary),
     }
 
 
 def to_fit(row: Row[Any]) -> Fit:
     """Return the fit of a row."""
+    size = row.size - len(row.result or b"")
+    summary = None if row.summary is None else _summary(orjson.loads(row.summary))
     return Fit(
         id=row.id,
         status=row.status,
-        input=PointSetRef(row.input, row.dimension, row.points, row.size - len(row.result or b"")),
-        options=orjson.loads(row.options),
+        input=PointSetRef(row.input, row.dimension, row.points, size, summary),
+        requested=RequestedOptions(orjson.loads(row.options)),
         created=row.created,
         client=row.client,
         cost=row.cost,
@@ -81,6 +86,17 @@ def to_fit(row: Row[Any]) -> Fit:
     )
 
 
-def _slice(kept: dict[str, Any]) -> Slice:
-    centre, scale = kept["frame"]["centre"], kept["frame"]["scale"]
-    return Slice(kept["first"], kept["last"], Frame(tuple(centre), scale))
+def _json(value: Slice | PointSetSummary | None) -> str | None:
+    return None if value is None else orjson.dumps(value).decode()
+
+
+def _slice(stored: dict[str, Any]) -> Slice:
+    return Slice(stored["first"], stored["last"], _frame(stored["frame"]))
+
+
+def _summary(stored: dict[str, Any]) -> PointSetSummary:
+    return PointSetSummary(stored["planar"], _frame(stored["frame"]), stored["sha256"])
+
+
+def _frame(stored: dict[str, Any]) -> Frame:
+    return Frame(tuple(stored["centre"]), stored["scale"])

@@ -106,6 +106,7 @@ fits = Table(
     Column("unsummed", Integer, nullable=False, default=0),
     Column("whole", String, index=True),
     Column("slice", String),
+    Column("summary", String),  # JSON of what was worked out when the input was checked
 )
 # Whoever changes the table above adds a step that changes an older one in the same way, named after the release. Each
 # is one statement: SQLite takes no more at once.
@@ -120,6 +121,7 @@ FITS = Part(
         "0.2.0 whole": "ALTER TABLE fits ADD COLUMN whole VARCHAR",
         "0.2.0 whole, found": "CREATE INDEX ix_fits_whole ON fits (whole)",
         "0.2.0 slice": "ALTER TABLE fits ADD COLUMN slice VARCHAR",
+        "0.2.0 summary": "ALTER TABLE fits ADD COLUMN summary VARCHAR",
     },
     columns=frozenset(fits.columns.keys()),
 )

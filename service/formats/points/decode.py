@@ -1,6 +1,7 @@
 """Point sets in: JSON and npy, read without trusting a byte, checked, and turned into one npy of doubles."""
 
 import base64
+import hashlib
 import re
 import tokenize
 from collections.abc import Callable
@@ -16,14 +17,12 @@ from numpy.typing import NDArray
 import ipcore
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
 from service.jobs.fit import PointSet
-from service.jobs.slices import Frame
+from service.jobs.point_set_summary import PointSetSummary
 
 Array = NDArray[Any]
 Parts = tuple[Array, Array | None, dict[str, Any]]
 # numpy's names of real numbers of at most 8 bytes. Anything else numpy might understand is not for strangers.
 NUMBER = re.compile(r"[<>|=]?(i[1248]|u[1248]|f[248])")
-
-MEDIA_TYPES = {"application/json": "json", "application/x-npy": "npy"}
 
 
 def read(body: bytes | Path, kind: str, max_points: int) -> PointSet:
@@ -69,16 +68,9 @@ def checked(points: Array, normals: Array | None, options: dict[str, Any], max_p
     except ipcore.IPCoreError as error:
         raise InvalidInputError(error.message, error.at) from error
     table = given.points if given.normals is None else np.hstack([given.points, given.normals])
-    count, dimension = given.points.shape
-    return PointSet(_npy(table), dimension, count, options, _frame(given))
-
-
-def _frame(given: ipcore.PointSet) -> Frame | None:
-    """Return the frame in which moments of parts of the points can be summed, if there will be any."""
-    if given.normals is None or given.planar:
-        return None
-    frame = ipcore.Frame.of(given.points)
-    return Frame(tuple(frame.centre.tolist()), frame.scale)
+    content, (count, dimension) = _npy(table), given.points.shape
+    key, has_normals = hashlib.sha256(content).hexdigest(), given.normals is not None
+    return PointSet(content, key, dimension, count, has_normals, options, PointSetSummary.of(given))
 
 
 def halves(table: Array) -> tuple[Array, Array | None]:
