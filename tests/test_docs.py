@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,7 @@ def openapi() -> dict[str, Any]:
     return document
 
 
+@cache
 def printed(*arguments: str) -> str:
     done = subprocess.run([IPFIT, *arguments], capture_output=True, text=True, timeout=60, check=True)  # noqa: S603 - ours
     return done.stdout
