@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from ipcore import _threads
 from ipcore._threads import limited
 from ipcore._typing import FloatArray
+from ipcore.constraints.families import LAYERED_NAMES
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
-from ipcore.linear.constraints import families
 from ipcore.linear.layer_moments import LayerMoments
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import MomentRows, RowSource, SummedRows
@@ -95,9 +95,9 @@ class Moments:
             If the points cannot be fitted, or the options ask for what is not a matter of moments.
 
         """
-        offsets = families.offsets(options or FitOptions())
+        offsets = (options or FitOptions()).layer_offsets
         if not offsets:
-            raise InvalidOptionsError("moments are for constraints 3l and 5l", ("constraints",))
+            raise InvalidOptionsError(f"moments are for constraints {LAYERED_NAMES}", ("constraints",))
         x = (
             validation.check(points).points
             if frame is None
@@ -117,7 +117,7 @@ class Moments:
         (True, False)
         """
         linear = options.is_linear and not options.needs_rows
-        return linear and options.factor in {Factor.AUTO, Factor.MOMENTS} and bool(families.offsets(options))
+        return linear and options.factor in {Factor.AUTO, Factor.MOMENTS} and bool(options.layer_offsets)
 
     @property
     def count(self) -> int:
@@ -257,7 +257,7 @@ class Moments:
                 "false, or fit the points themselves",
                 ("geometric",),
             )
-        if families.offsets(options) != self.layers.offsets:
+        if options.layer_offsets != self.layers.offsets:
             raise InvalidOptionsError(f"these are moments of layers at {self.layers.offsets}", ("layer_distance",))
 
     def _reached(self, options: FitOptions) -> int:

@@ -5,7 +5,7 @@ from itertools import groupby
 import numpy as np
 
 from ipcore._typing import FloatArray
-from ipcore.linear.constraints.rows import RowGroup, Rows
+from ipcore.constraints.rows import RowGroup, Rows
 from ipcore.options.choices import Factor, Ridge
 from ipcore.options.fit_options import FitOptions
 from ipcore.polynomial import graded, univariate

@@ -18,15 +18,15 @@ def application(settings: Settings) -> FastAPI:
 
 async def drain(app: FastAPI, seconds: float) -> None:
     """Have a running application accept nothing more, and let what runs end in so much time."""
-    await _desk(app).drain(seconds)
+    await _fits(app).drain(seconds)
 
 
 def hurry(app: FastAPI) -> None:
     """End a drain at once; may be called from a signal handler."""
     if hasattr(app.state, "context"):  # else it is still starting, and runs nothing
-        asyncio.get_running_loop().call_soon_threadsafe(_desk(app).hurry)
+        asyncio.get_running_loop().call_soon_threadsafe(_fits(app).hurry)
 
 
-def _desk(app: FastAPI) -> FitService:
-    desk: FitService = app.state.context.desk
-    return desk
+def _fits(app: FastAPI) -> FitService:
+    fits: FitService = app.state.context.fits
+    return fits

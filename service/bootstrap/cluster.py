@@ -41,8 +41,8 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         listening = asyncio.create_task(queue.listen())
         try:
             with TemporaryDirectory(prefix="ipfit-") as incoming:
-                async with components.desk(settings, store, blobs, queue) as desk:
-                    yield Context(desk, components.limits(settings), Path(incoming))
+                async with components.fit_service(settings, store, blobs, queue) as fits:
+                    yield Context(fits, components.limits(settings), Path(incoming))
         finally:
             listening.cancel()
 

@@ -17,6 +17,7 @@ from service.jobs.use_cases import FitService
 from service.queue.runner import Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
+from service.workers.planner import FitPlanner
 from service.workers.pool import WorkerPool
 
 
@@ -47,12 +48,16 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 
 
 @asynccontextmanager
-async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue) -> AsyncIterator[FitService]:
+async def fit_service(
+    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue
+) -> AsyncIterator[FitService]:
     """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
-    async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
-        reader = PointSetReader(clerks, settings.max_points, settings.mesh_deadline)
-        exporter = MeshExporter(clerks, settings.mesh_deadline)
-        yield FitService(store, blobs, queue, reader, exporter, split_points=settings.split_points)
+    async with pool(settings, 1, tries=MAX_CRASHES) as readers:
+        reader = PointSetReader(readers, settings.max_points, settings.mesh_deadline)
+        exporter = MeshExporter(readers, settings.mesh_deadline)
+        yield FitService(
+            store, blobs, queue, reader, exporter, planner=FitPlanner(), split_points=settings.split_points
+        )
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:

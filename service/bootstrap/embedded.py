@@ -25,10 +25,10 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
             async with components.fitters(settings) as fitters:
                 runner = components.runner(settings, store, blobs, fitters, publish=False)
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
-                async with components.desk(settings, store, blobs, queue) as desk:
+                async with components.fit_service(settings, store, blobs, queue) as fits:
                     try:
                         await queue.resume()
-                        yield Context(desk, components.limits(settings), folder.incoming)
+                        yield Context(fits, components.limits(settings), folder.incoming)
                     finally:
                         await queue.close()
         finally:

@@ -1,4 +1,6 @@
-"""What the use cases raise. The API has one table from these to HTTP."""
+"""The errors that the use cases raise. `service.api.problems` has the one table from these to HTTP statuses."""
+
+from collections.abc import Iterable
 
 
 class JobError(Exception):
@@ -83,3 +85,12 @@ class KeyReusedError(JobError):
 
 class ShuttingDownError(JobError):
     """The server is stopping and takes nothing new."""
+
+
+def json_pointer(at: Iterable[str | int]) -> str:
+    """Return a place in a JSON document as a JSON pointer (RFC 6901).
+
+    >>> json_pointer(("points", 17, 1))
+    '/points/17/1'
+    """
+    return "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in at)

@@ -5,7 +5,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from service.jobs.cost import SHORT
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 
 
@@ -37,6 +37,8 @@ TRANSITIONS: dict[FitStatus, frozenset[FitStatus]] = {
 }
 
 
+# Predicted seconds up to which a fit is short.
+SHORT_SECONDS = 5.0
 # A fit whose worker process died is started once more: what kills two would kill a third.
 MAX_CRASHES = 2
 # A fit whose supervisor died is taken over by another one so often: supervisors die for many reasons, but a fit that
@@ -80,8 +82,10 @@ class PointSet:
         An npy file of doubles: (N, d) points, or (N, 2d) points and unit normals.
     dimension, points
         d and N.
+    normals
+        Whether the points come with normals.
     options
-        What came along in the same body, unchecked.
+        The options in the same body, by name, unchecked.
     frame
         Its frame, if it has normals and is not planar: then sums over its points can be made part by part.
 
@@ -90,6 +94,7 @@ class PointSet:
     content: bytes
     dimension: int
     points: int
+    normals: bool
     options: dict[str, Any]
     frame: Frame | None = None
 
@@ -138,8 +143,8 @@ class Fit:
 
     Attributes
     ----------
-    options
-        What was asked for, by option name; defaults are not filled in.
+    requested
+        The options, as the caller gave them.
     client
         Who sent it; the queue is fair between clients.
     cost
@@ -165,7 +170,7 @@ class Fit:
     id: str
     status: FitStatus
     input: PointSetRef
-    options: dict[str, Any]
+    requested: RequestedOptions
     created: datetime
     client: str = ""
     cost: float = 0.0
@@ -185,4 +190,4 @@ class Fit:
     @property
     def short(self) -> bool:
         """Return whether it may use the lane of the short. The parts of a huge fit must not: together they are long."""
-        return self.whole is None and self.cost <= SHORT
+        return self.whole is None and self.cost <= SHORT_SECONDS

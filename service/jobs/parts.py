@@ -15,7 +15,8 @@ def split(fit: Fit, frame: Frame, most: int) -> tuple[Fit, list[Fit]]:
 
     >>> from datetime import UTC, datetime
     >>> from service.jobs.fit import FitStatus, PointSetRef
-    >>> fit = Fit("a", FitStatus.ACCEPTED, PointSetRef("", 3, 1000), {}, datetime.now(UTC), cost=9.0)
+    >>> from service.jobs.requested_options import RequestedOptions
+    >>> fit = Fit("a", FitStatus.ACCEPTED, PointSetRef("", 3, 1000), RequestedOptions({}), datetime.now(UTC), cost=9.0)
     >>> whole, parts = split(fit, Frame((0.0, 0.0, 0.0), 1.0), 400)
     >>> whole.unsummed, [(one.id, one.slice.first, one.slice.last, one.cost) for one in parts]
     (3, [('a-00000', 0, 333, 3.0), ('a-00001', 333, 666, 3.0), ('a-00002', 666, 1000, 3.0)])

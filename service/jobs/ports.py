@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+import ipcore
 from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
-from service.jobs.media_types import MeshRequest
+from service.jobs.mesh_request import MeshRequest
 
 T = TypeVar("T")
 
@@ -160,22 +161,23 @@ class Reader(Protocol):
 
         """
 
-    def check(self, dimension: int, options: dict[str, Any]) -> None:
-        """Refuse options that cannot be meant, alone or together.
+
+class Planner(Protocol):
+    """Predicts the time and memory of fits."""
+
+    def plan(self, points: PointSet, options: ipcore.FitOptions) -> ipcore.Plan:
+        """Return what a fit of these points with these options will take.
 
         Raises
         ------
         InvalidInputError
-            If there are any; `at` names one.
+            If the options are not allowed for points of this dimension; `at` names one.
 
         """
 
-    def sums(self, options: dict[str, Any]) -> bool:
-        """Return whether a fit with these options, which were checked, can be made of sums over its points."""
-
 
 class MeshExporter(Protocol):
-    """Draws zero sets."""
+    """Makes files of zero sets."""
 
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""

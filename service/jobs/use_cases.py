@@ -11,7 +11,7 @@ from uuid import uuid4
 
 import orjson
 
-from service.jobs.cost import predicted_seconds
+import ipcore
 from service.jobs.errors import (
     FitNotFinishedError,
     FitNotFoundError,
@@ -21,9 +21,10 @@ from service.jobs.errors import (
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
-from service.jobs.media_types import MeshRequest
+from service.jobs.mesh_request import MeshRequest
 from service.jobs.parts import split
-from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Reader
+from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
+from service.jobs.requested_options import RequestedOptions
 
 T = TypeVar("T")
 
@@ -31,7 +32,7 @@ T = TypeVar("T")
 class FitService:
     """What a caller can have done with fits. Blocking stores are called in threads, so the event loop never waits."""
 
-    def __init__(  # noqa: PLR0913 - five parts, one fact
+    def __init__(  # noqa: PLR0913 - six ports, one setting
         self,
         store: FitStore,
         blobs: BlobStore,
@@ -39,23 +40,44 @@ class FitService:
         reader: Reader,
         exporter: MeshExporter,
         *,
+        planner: Planner,
         split_points: int,
     ) -> None:
         """Work with these parts; split fits of more points than that, if sums over them will do."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._exporter, self._split_points = reader, exporter, split_points
+        self._reader, self._exporter, self._planner, self._split_points = reader, exporter, planner, split_points
 
     async def read(self, body: bytes | Path, kind: str) -> PointSet:
         """Read and check a body; nothing is accepted yet."""
         return await self._reader.read(body, kind)
 
-    async def accept(self, points: PointSet, options: dict[str, Any], client: str = "", key: str | None = None) -> Fit:
+    def plan(self, points: PointSet, requested: RequestedOptions) -> ipcore.Plan:
+        """Return what a fit will take; nothing is accepted yet.
+
+        Raises
+        ------
+        InvalidInputError
+            If the options are not allowed for points of this dimension.
+
+        """
+        return self._planner.plan(points, requested.complete)
+
+    async def accept(
+        self,
+        points: PointSet,
+        requested: RequestedOptions,
+        plan: ipcore.Plan,
+        client: str = "",
+        key: str | None = None,
+    ) -> Fit:
         """Store a fit and see that it is run. When this returns, it survives a crash.
 
         Parameters
         ----------
-        points, options
-            What to fit, and how.
+        points, requested
+            The point set and the options.
+        plan
+            What `plan` returned for them.
         client
             Who sent it.
         key
@@ -63,18 +85,15 @@ class FitService:
 
         Raises
         ------
-        InvalidInputError
-            If the options cannot be meant.
         NotReadyError, ShuttingDownError, QueueFullError
             If it cannot be stored, the server is about to stop, or too many fits wait.
         KeyReusedError
             If the key came with another point set or other options.
 
         """
-        self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
-        new, parts = _new_fit(points, options, client, key), list[Fit]()
-        if points.frame is not None and points.points > self._split_points and self._reader.sums(options):
+        new, parts = _new_fit(points, requested, plan, client, key), list[Fit]()
+        if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
         fit = await self._add(new, points.content, parts)
         if fit.id == new.id:
@@ -112,13 +131,13 @@ class FitService:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    async def draw(self, fit_id: str, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a successful fit.
+    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a successful fit.
 
         Raises
         ------
         FitNotFinishedError, FitWithoutResultError
-            If there is nothing to draw, yet or for good.
+            If it has no result yet, or will never have one.
 
         """
         fit = await self._get(fit_id)
@@ -131,7 +150,7 @@ class FitService:
         except NotReadyError:
             await self._get(fit_id)  # which says so, if the fit was removed in this very moment
             raise
-        return await self._exporter.draw(fit.result, points, fit.input.dimension, drawing)
+        return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
 
     async def check(self) -> None:
         """Return if fits can be stored and run.
@@ -183,17 +202,17 @@ async def _asked(call: Callable[..., T], *arguments: object) -> T:
         raise NotReadyError(f"fits cannot be stored or looked up at the moment: {type(error).__name__}") from error
 
 
-def _new_fit(points: PointSet, options: dict[str, Any], client: str, key: str | None) -> Fit:
+def _new_fit(points: PointSet, requested: RequestedOptions, plan: ipcore.Plan, client: str, key: str | None) -> Fit:
     blob = hashlib.sha256(points.content).hexdigest()
-    asked = orjson.dumps([blob, points.dimension, options], option=orjson.OPT_SORT_KEYS)
+    payload = orjson.dumps([blob, points.dimension, requested.given], option=orjson.OPT_SORT_KEYS)
     return Fit(
         id=uuid4().hex,
         status=FitStatus.ACCEPTED,
         input=PointSetRef(blob, points.dimension, points.points, len(points.content)),
-        options=options,
+        requested=requested,
         created=datetime.now(UTC),
         client=client,
-        cost=predicted_seconds(points.dimension, points.points, options),
+        cost=plan.seconds,
         key=key,
-        payload=hashlib.sha256(asked).hexdigest(),
+        payload=hashlib.sha256(payload).hexdigest(),
     )

@@ -53,9 +53,10 @@ class FairQueue:
 
         >>> from datetime import UTC, datetime
         >>> from service.jobs.fit import FitStatus, PointSetRef
+        >>> from service.jobs.requested_options import RequestedOptions
         >>> line, now = FairQueue(), datetime.now(UTC)
         >>> for name, client, cost in [("a1", "a", 60.0), ("a2", "a", 1.0), ("b1", "b", 60.0)]:
-        ...     line.join(Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), {}, now, client, cost))
+        ...     line.join(Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), RequestedOptions({}), now, client, cost))
         >>> line.take(), line.take(short=True), line.take(), line.take()
         ('a1', 'a2', 'b1', None)
         """

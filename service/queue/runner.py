@@ -36,7 +36,7 @@ def pause(tries: int) -> float:
 
 @dataclass(frozen=True)
 class Tasks:
-    """What workers are given to do. Each takes the blobs, the input's key, the dimension and the options.
+    """What workers are given to do. Each takes the blobs, the fit's `PointSetRef` and its `ipcore.FitOptions`.
 
     Attributes
     ----------
@@ -165,15 +165,15 @@ class Runner:
                 return
 
     async def _in_worker(self, fit: Fit, steps: list[dict[str, Any]]) -> bytes:
-        asked: list[Any] = [self._blobs, fit.input.key, fit.input.dimension, fit.options]
+        arguments: list[Any] = [self._blobs, fit.input, fit.requested.complete]
         task = self._tasks.fit
         if fit.slice is not None:
             task = self._tasks.part
-            asked.append(fit.slice)
+            arguments.append(fit.slice)
         elif fit.parts:
             task = self._tasks.rest
-            asked.append(await self._insist(self._store.sums, fit.id))
-        result: bytes = await self._workers.run(task, *asked, deadline=self._deadline, progress=steps.append)
+            arguments.append(await self._insist(self._store.sums, fit.id))
+        result: bytes = await self._workers.run(task, *arguments, deadline=self._deadline, progress=steps.append)
         return result
 
     async def _give_back(self, fit_id: str, attempt: int) -> None:

@@ -6,6 +6,7 @@ import orjson
 from sqlalchemy import ColumnElement, Connection, Row, func, select, update
 
 from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.store.schema import fits
 
@@ -42,7 +43,7 @@ def from_fit(fit: Fit) -> dict[str, Any]:
         "dimension": fit.input.dimension,
         "points": fit.input.points,
         "size": fit.input.size,
-        "options": orjson.dumps(fit.options),
+        "options": orjson.dumps(fit.requested.given),
         "client": fit.client,
         "cost": fit.cost,
         "key": fit.key,
@@ -62,7 +63,7 @@ def to_fit(row: Row[Any]) -> Fit:
         id=row.id,
         status=row.status,
         input=PointSetRef(row.input, row.dimension, row.points, row.size - len(row.result or b"")),
-        options=orjson.loads(row.options),
+        requested=RequestedOptions(orjson.loads(row.options)),
         created=row.created,
         client=row.client,
         cost=row.cost,

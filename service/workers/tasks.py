@@ -12,8 +12,8 @@ import orjson
 from numpy.typing import NDArray
 
 import ipcore
-from service.jobs.cost import WORN
 from service.jobs.errors import NotReadyError
+from service.jobs.fit import PointSetRef
 from service.jobs.ports import BlobStore
 from service.jobs.slices import Slice
 from service.workers.progress import report
@@ -24,7 +24,7 @@ HEADER = 256
 Columns = tuple[NDArray[Any], NDArray[Any] | None]
 
 
-def fit(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any]) -> bytes:
+def fit(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions) -> bytes:
     """Fit a stored point set and return the answer as JSON; every degree is reported as it is made.
 
     Raises
@@ -33,11 +33,11 @@ def fit(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any]) -> 
         If the point set cannot be read, which is no fault of the fit.
 
     """
-    points, normals = _halves(_table(blobs, key), dimension)
-    return _json(ipcore.fit(points, normals, ipcore.FitOptions.of(**options), progress=_report))
+    points, normals = _halves(_table(blobs, given.key), given.dimension)
+    return _json(ipcore.fit(points, normals, options, progress=_report))
 
 
-def part(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], some: Slice) -> bytes:
+def part(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, some: Slice) -> bytes:
     """Return the moments of some of the points, as a file.
 
     Raises
@@ -46,18 +46,18 @@ def part(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], so
         As for `fit`.
 
     """
-    chosen = ipcore.FitOptions.of(**options)
-    table = _rows(blobs, key, some.first, some.last)
+    dimension = given.dimension
+    table = _rows(blobs, given.key, some.first, some.last)
     frame = ipcore.Frame(np.array(some.frame.centre), some.frame.scale)
-    degree = _summed_degree(chosen, dimension)
+    degree = _summed_degree(given, options)
     points, normals = table[:, :dimension], table[:, dimension:]
-    moments = ipcore.Moments.of(points, normals, degree=degree, options=chosen, frame=frame)
+    moments = ipcore.Moments.of(points, normals, degree=degree, options=options, frame=frame)
     file = BytesIO()
     moments.without_sample().save(file)
     return file.getvalue()
 
 
-def rest(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], sums: Sequence[bytes]) -> bytes:
+def rest(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, sums: Sequence[bytes]) -> bytes:
     """Add the moments of all parts, in order, and fit; return and report as `fit` does.
 
     Raises
@@ -66,19 +66,18 @@ def rest(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], su
         As for `fit`.
 
     """
-    points, normals = _halves(_table(blobs, key), dimension)
+    points, normals = _halves(_table(blobs, given.key), given.dimension)
     moments = reduce(add, (ipcore.Moments.load(BytesIO(one)) for one in sums))
-    chosen = ipcore.FitOptions.of(**options)
-    return _json(moments.fit(chosen, points=points, normals=normals, progress=_report))
+    return _json(moments.fit(options, points=points, normals=normals, progress=_report))
 
 
-def _summed_degree(options: ipcore.FitOptions, dimension: int) -> int:
+def _summed_degree(given: PointSetRef, options: ipcore.FitOptions) -> int:
     """Return the degree up to which moments are worth their time.
 
-    Above `WORN` a fit goes over to the rows. One that is to go to the last degree asks for all moments at once.
+    Above it a fit goes over to the rows. One that is to go to the last degree asks for all moments at once.
     """
-    cap = options.degree_cap(dimension)
-    return cap if options.criterion is ipcore.Criterion.NONE else min(cap, WORN[dimension])
+    plan = ipcore.plan(given.dimension, given.points, options, normals=True)
+    return plan.max_degree if options.criterion is ipcore.Criterion.NONE else plan.moment_degree
 
 
 def _report(step: ipcore.Step) -> None:

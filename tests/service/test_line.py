@@ -4,12 +4,11 @@ import sys
 from datetime import UTC, datetime
 from itertools import count
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.cost import SHORT, predicted_seconds
-from service.jobs.fit import Fit, FitStatus, PointSetRef
+from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus, PointSetRef
+from service.jobs.requested_options import RequestedOptions
 from service.queue.fair_queue import FairQueue
 
 NAMES = count()
@@ -19,7 +18,7 @@ COSTS = st.floats(0.05, 100.0)
 
 def fit(client: str, cost: float) -> Fit:
     name = f"{client} {next(NAMES)}"
-    return Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), {}, datetime.now(UTC), client, cost)
+    return Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), RequestedOptions({}), datetime.now(UTC), client, cost)
 
 
 def served(line: FairQueue, *, short: bool = False) -> list[str]:
@@ -84,7 +83,7 @@ def test_no_stream_of_new_clients_keeps_one_waiting_for_good() -> None:
 
 def test_the_short_lane_takes_short_fits_only() -> None:
     line = FairQueue()
-    sent = [fit("a", SHORT * 2), fit("a", SHORT), fit("b", SHORT / 2)]
+    sent = [fit("a", SHORT_SECONDS * 2), fit("a", SHORT_SECONDS), fit("b", SHORT_SECONDS / 2)]
     for one in sent:
         line.join(one)
     assert sorted(served(line, short=True)) == sorted(one.id for one in sent[1:])
@@ -98,15 +97,3 @@ def test_who_left_is_not_served() -> None:
     line.leave(one)
     line.leave(one)
     assert served(line) == [other.id]
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_a_fit_of_more_points_or_a_higher_degree_takes_longer(dimension: int) -> None:
-    linear = [
-        predicted_seconds(dimension, n, {"max_degree": k, "geometric": False})
-        for n, k in [(1000, 5), (2000, 5), (2000, 10)]
-    ]
-    assert linear == sorted(set(linear))
-    geometric = [predicted_seconds(dimension, 1000, {"max_degree": k}) for k in (5, 10)]
-    assert geometric == sorted(set(geometric))
-    assert predicted_seconds(dimension, 10, {"max_degree": 40}) < SHORT  # few points cannot fill many columns

@@ -2,12 +2,11 @@
 
 import asyncio
 import time
-from datetime import UTC, datetime
 from pathlib import Path
 
 from sqlalchemy import text
 
-from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
+from service.jobs.fit import FitStatus, Holder
 from service.queue.runner import MAX_AWAY
 from tests.service.queues import Bench, run
 
@@ -224,8 +223,7 @@ def test_a_fit_whose_points_cannot_be_read_is_tried_again_and_lets_others_run(tm
 
 def test_a_fit_whose_points_stay_away_fails_in_the_end(tmp_path: Path) -> None:
     async def script(b: Bench) -> None:
-        key = b.blobs.put(b"answer")
-        fit = Fit("one", FitStatus.ACCEPTED, PointSetRef(key, 3, 9), {"away": "/"}, datetime.now(UTC))
+        fit = b.new_fit("one", {"away": "/"})
         b.store.add(fit, list)
         for attempt in range(1, MAX_AWAY):
             assert b.store.start("one", Holder("me", 60.0)) == attempt

@@ -15,12 +15,14 @@ from service.formats.points import decode
 from service.jobs.errors import NotReadyError
 from service.jobs.fit import Fit, FitStatus, PointSetRef
 from service.jobs.parts import split
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.store.blobs import Blobs
 from service.workers import tasks
 from tests.service.bodies import Array, npy
 
 LINEAR: dict[str, Any] = {"geometric": False, "t1": 0.0, "measure_zero_set": False}
+CHOSEN = RequestedOptions(LINEAR).complete
 
 
 def noisy(shape: shapes.Shape, count: int) -> Array:
@@ -41,15 +43,19 @@ def noisy(shape: shapes.Shape, count: int) -> Array:
 )
 def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dict[str, Any], summed: int) -> None:
     table = noisy(shapes.ellipse() if dimension == 2 else shapes.torus(), 2500)
-    read, blobs, asked = decode.read(npy(table), "npy", 2500), Blobs(str(tmp_path)), LINEAR | options
+    read, blobs, requested = (
+        decode.read(npy(table), "npy", 2500),
+        Blobs(str(tmp_path)),
+        RequestedOptions(LINEAR | options),
+    )
     assert read.frame is not None
-    key = blobs.put(read.content)
-    fit = Fit("one", FitStatus.ACCEPTED, PointSetRef(key, dimension, 2500), asked, datetime.now(UTC))
+    given, chosen = PointSetRef(blobs.put(read.content), dimension, 2500), requested.complete
+    fit = Fit("one", FitStatus.ACCEPTED, given, requested, datetime.now(UTC))
     parts = [one.slice for one in split(fit, read.frame, 700)[1]]
-    sums = [tasks.part(blobs, key, dimension, asked, some) for some in parts if some is not None]
+    sums = [tasks.part(blobs, given, chosen, some) for some in parts if some is not None]
     assert [ipcore.Moments.load(BytesIO(one)).degree for one in sums] == [summed] * 4
-    rest = orjson.loads(tasks.rest(blobs, key, dimension, asked, sums))
-    whole = orjson.loads(tasks.fit(blobs, key, dimension, asked))
+    rest = orjson.loads(tasks.rest(blobs, given, chosen, sums))
+    whole = orjson.loads(tasks.fit(blobs, given, chosen))
     assert rest["polynomial"]["frame"] == whole["polynomial"]["frame"]
     assert [step["degree"] for step in rest["steps"]] == [step["degree"] for step in whole["steps"]]
     for one, other in zip(rest["steps"], whole["steps"], strict=True):
@@ -63,13 +69,13 @@ def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dic
 def test_a_part_that_is_missing_or_comes_twice_is_noticed(tmp_path: Path) -> None:
     blobs, read = Blobs(str(tmp_path)), decode.read(npy(noisy(shapes.torus(), 900)), "npy", 900)
     assert read.frame is not None
-    key = blobs.put(read.content)
-    sums = [tasks.part(blobs, key, 3, LINEAR, Slice(i, i + 300, read.frame)) for i in (0, 300, 600)]
+    given = PointSetRef(blobs.put(read.content), 3, 900)
+    sums = [tasks.part(blobs, given, CHOSEN, Slice(i, i + 300, read.frame)) for i in (0, 300, 600)]
     for wrong in (sums[:2], [*sums, sums[0]]):
         with pytest.raises(ipcore.InvalidPointsError, match="these are moments of"):
-            tasks.rest(blobs, key, 3, LINEAR, wrong)
+            tasks.rest(blobs, given, CHOSEN, wrong)
 
 
 def test_points_that_are_away_are_no_fault_of_the_part(tmp_path: Path) -> None:
     with pytest.raises(NotReadyError, match="cannot be read"):
-        tasks.part(Blobs(str(tmp_path)), "0" * 64, 3, LINEAR, Slice(0, 9, Frame((0.0, 0.0, 0.0), 1.0)))
+        tasks.part(Blobs(str(tmp_path)), PointSetRef("0" * 64, 3, 9), CHOSEN, Slice(0, 9, Frame((0.0, 0.0, 0.0), 1.0)))

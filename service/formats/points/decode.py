@@ -70,7 +70,7 @@ def checked(points: Array, normals: Array | None, options: dict[str, Any], max_p
         raise InvalidInputError(error.message, error.at) from error
     table = given.points if given.normals is None else np.hstack([given.points, given.normals])
     count, dimension = given.points.shape
-    return PointSet(_npy(table), dimension, count, options, _frame(given))
+    return PointSet(_npy(table), dimension, count, given.normals is not None, options, _frame(given))
 
 
 def _frame(given: ipcore.PointSet) -> Frame | None:
