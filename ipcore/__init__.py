@@ -12,7 +12,8 @@ from ipcore.errors import (
 from ipcore.fitting import fit, fit_fixed
 from ipcore.moments import Moments
 from ipcore.options.choices import Collinear, Criterion, Factor, Granularity, Preset, Ridge, RidgeMatrix
-from ipcore.options.fit_options import DEFAULT_MAX_DEGREE, HIGHEST_DEGREE, FitOptions
+from ipcore.options.degrees import DEFAULT_MAX_DEGREE, HIGHEST_DEGREE
+from ipcore.options.fit_options import FitOptions
 from ipcore.planning import Plan, plan
 from ipcore.points.normals import NormalSource, estimate_normals
 from ipcore.points.validation import PointSet
@@ -20,7 +21,8 @@ from ipcore.points.validation import check as check_points
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
-from ipcore.search.result import Diagnostics, FitResult, Step, StopReason
+from ipcore.search.result import Diagnostics, FitResult, Step
+from ipcore.search.stop_reason import StopReason
 from ipcore.zero_set.mesh import cell_vectors
 from ipcore.zero_set.mesh import labels as component_labels
 from ipcore.zero_set.support import gap_radius, support_radius

@@ -1,4 +1,4 @@
-"""The two ways in: a fit whose degree finds itself (the paper's section 4), and a fit of a degree that is known."""
+"""The two functions that fit: `fit` finds the degree itself (the paper's section 4), `fit_fixed` is given it."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
@@ -11,21 +11,26 @@ from ipcore._threads import limited, using
 from ipcore.constraints.families import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.geometric.fit import GeometricFit
-from ipcore.linear.dense import LeastSquaresFit, TaubinFit
+from ipcore.linear.dense import LeastSquaresFit
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import DataRows
-from ipcore.options.choices import Criterion, Factor, Granularity, chosen, integer
-from ipcore.options.fit_options import HIGHEST_DEGREE, FitOptions
+from ipcore.linear.taubin import TaubinFit
+from ipcore.options.choices import Criterion, Granularity, member
+from ipcore.options.degrees import HIGHEST_DEGREE
+from ipcore.options.fit_options import FitOptions
+from ipcore.options.ranges import check_integer
 from ipcore.points import validation
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.stream import PointStream, spooled, streamed
 from ipcore.points.validation import PointSet
 from ipcore.polynomial import graded
-from ipcore.search.degree_search import DegreeSearch, Progress, stops
+from ipcore.search.degree_search import DegreeSearch, Progress, column_counts
 from ipcore.search.fitter import Fitter
-from ipcore.search.report import answer
-from ipcore.search.result import FitResult, StopReason
-from ipcore.search.stopping import Judge, LastJudge, judge
+from ipcore.search.report import fit_result
+from ipcore.search.result import FitResult
+from ipcore.search.stop_reason import StopReason
+from ipcore.search.stopping import stopping_criterion
+from ipcore.search.stopping_rule import StoppingRule
 
 
 def fit(
@@ -36,24 +41,25 @@ def fit(
     progress: Progress | None = None,
     threads: int | None = None,
 ) -> FitResult:
-    """Fit an implicit polynomial whose degree finds itself.
+    """Fit an implicit polynomial, and find its degree.
 
     Parameters
     ----------
     points
         (N, 2) or (N, 3), raw coordinates. A memory-mapped array of 2¹⁸ points or more, with normals, is streamed: read
         piece by piece, as often as needed, in constant memory. So is an iterator of pairs (points, normals), which is
-        written to a temporary file first. Of a stream, linear fits and D_dist, D_smooth and the maximum count every
-        point; the geometric fit and all other figures are those of a sample of 50,000.
+        written to a temporary file first. For a stream, linear fits and D_dist, D_smooth and the maximum are over all
+        points; the geometric fit and all other figures are those of a sample of 50,000.
     normals
-        (N, d), outward, of any length. Without them: from the order of a 2D outline, else estimated and oriented.
+        (N, d), outward, of any length. Without them, normals come from the order of the points if they are a 2D
+        outline, and are estimated and oriented otherwise.
     options
         See `FitOptions`.
     progress
-        Called with every `Step` as it is made; what it raises ends the fit and reaches the caller.
+        Called with every `Step` as it is made. An exception that it raises ends the fit and reaches the caller.
     threads
-        How many to work with, at most; by default OMP_NUM_THREADS if set, else all cores. They change nothing beyond
-        rounding. Those of BLAS are limited for the whole process meanwhile.
+        The number of threads at most; by default OMP_NUM_THREADS if set, else the number of cores. It changes results
+        by rounding only. While the fit runs, BLAS is limited to this number too, in the whole process.
 
     Raises
     ------
@@ -73,35 +79,39 @@ def fit(
     """
     options = options or FitOptions()
     with using(threads):
-        given = _given(points, normals)
-        dimension = given.points.shape[1]
-        cap = options.degree_cap(dimension)
-        if given.planar:
-            alphas = stops(dimension, 1, Granularity.FORM)
-            return _searched(given, options, alphas, LastJudge(StopReason.PLANAR), progress)
-        return _searched(given, options, stops(dimension, cap, options.granularity), judge(options), progress)
+        checked = _checked(points, normals)
+        dimension = checked.points.shape[1]
+        max_degree = options.degree_cap(dimension)
+        if checked.planar:
+            degree_one = column_counts(dimension, 1, Granularity.FORM)
+            return _search(checked, options, degree_one, progress, StopReason.PLANAR)
+        return _search(checked, options, column_counts(dimension, max_degree, options.granularity), progress)
 
 
-def fit_fixed(
+def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
     points: ArrayLike,
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
     degree: int,
     method: Constraints | str | None = None,
+    progress: Progress | None = None,
+    threads: int | None = None,
 ) -> FitResult:
-    """Fit an implicit polynomial of a given degree, by any of the constraint families.
+    """Fit an implicit polynomial of a given degree.
 
     Parameters
     ----------
     points, normals
         As for `fit`.
     options
-        See `FitOptions`; what concerns the search is not used.
+        See `FitOptions`; `max_degree` and `criterion` are not used.
     degree
         The total degree n: 1 … 40 in 2D, 1 … 20 in 3D.
     method
-        The constraint family of a linear fit, in place of what the options ask for.
+        The constraint family of a linear fit, in place of `constraints`, `signs` and `geometric` of the options.
+    progress, threads
+        As for `fit`.
 
     Raises
     ------
@@ -116,50 +126,59 @@ def fit_fixed(
     (True, 'degree-reached')
 
     """
-    given = _given(points, normals)
-    count, dimension = given.points.shape
-    integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
-    columns = graded.count(dimension, degree)
-    if columns > count:
-        raise InvalidOptionsError(
-            f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
-        )
-    options = replace(options or FitOptions(), max_degree=degree, criterion=Criterion.NONE)
-    if method is not None:
-        family = chosen("method", method, Constraints)
-        options = replace(options, constraints=family, signs=False, geometric=False)
-    return _searched(given, options, [columns], LastJudge(), None)
+    with using(threads):
+        checked = _checked(points, normals)
+        count, dimension = checked.points.shape
+        check_integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
+        columns = graded.count(dimension, degree)
+        if columns > count:
+            raise InvalidOptionsError(
+                f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
+            )
+        options = replace(options or FitOptions(), max_degree=degree, criterion=Criterion.NONE)
+        if method is not None:
+            family = member("method", method, Constraints)
+            options = replace(options, constraints=family, signs=False, geometric=False)
+        return _search(checked, options, [columns], progress)
 
 
-def _given(points: ArrayLike | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
-    """Return what is to be fitted, checked."""
+def _checked(points: ArrayLike | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
+    """Return the points and normals, checked: held, or as a stream."""
     if isinstance(points, Iterator):
         return spooled(points, normals)
     return streamed(points, normals) or validation.check(points, normals)
 
 
-def _searched(
-    given: PointSet | PointStream, options: FitOptions, alphas: Sequence[int], by: Judge, progress: Progress | None
+def _search(
+    checked: PointSet | PointStream,
+    options: FitOptions,
+    alphas: Sequence[int],
+    progress: Progress | None,
+    known_reason: StopReason | None = None,
 ) -> FitResult:
-    """Orient the points, choose the way to fit, and search over these stops."""
-    data = OrientedPoints.of(given, options.neighbours)
-    how = way(data, options, graded.degree_of(data.points.shape[1], alphas[-1]))
-    # all of M is worth BLAS's threads; elsewhere ours do more, and BLAS's would wait for each other
-    with nullcontext() if isinstance(how, LeastSquaresFit) else limited(1):
-        return answer(DegreeSearch(data, options, how, by), alphas, progress, given.sha256)
+    """Search over these numbers of columns α; `known_reason`, if given, is the stop reason of the result."""
+    data = OrientedPoints.of(checked, options.neighbours)
+    criterion = stopping_criterion(options)
+    fitter = choose_fitter(data, options, graded.degree_of(data.points.shape[1], alphas[-1]), criterion.rule)
+    # Only a fit that holds all of M gains from BLAS's threads. Other fits run threads of their own, with one BLAS
+    # thread in each: more would wait for each other.
+    with nullcontext() if isinstance(fitter, LeastSquaresFit) else limited(1):
+        search = DegreeSearch(data, options, fitter, criterion)
+        best, reason = search.run(alphas, progress)
+        return fit_result(search, best, known_reason or reason, checked.sha256)
 
 
-def way(data: OrientedPoints, options: FitOptions, top: int) -> Fitter:
-    """Return the way to fit, up to the degree `top`."""
+def choose_fitter(data: OrientedPoints, options: FitOptions, max_degree: int, rule: StoppingRule) -> Fitter:
+    """Return the method of fitting that the options ask for, for degrees up to `max_degree`."""
     if options.is_linear or data.planar:
-        return linear(data, options, top)
-    return GeometricFit(data if options.robust else data.thinned, options, top)
+        return choose_linear_fitter(data, options, max_degree)
+    return GeometricFit(data if options.robust else data.thinned, options, max_degree, rule)
 
 
-def linear(data: OrientedPoints, options: FitOptions, top: int) -> Fitter:
-    """Return the linear way."""
+def choose_linear_fitter(data: OrientedPoints, options: FitOptions, max_degree: int) -> Fitter:
+    """Return the linear method of fitting that the options ask for, for degrees up to `max_degree`."""
     if not options.family.is_least_squares:
-        return TaubinFit(data, options, top)
-    if options.factor in {Factor.BLOCK, Factor.GRAM_SCHMIDT} or options.needs_rows:
-        return LeastSquaresFit(data, options, top)
-    return QLessFit(data, options, top, DataRows(data, options))
+        return TaubinFit(data, options, max_degree)
+    if options.holds_design_matrix:
+        return LeastSquaresFit(data, options, max_degree)
+    return QLessFit(data, options, max_degree, DataRows(data, options))

@@ -24,7 +24,7 @@ def test_block_gram_schmidt(benchmark: BenchmarkFixture) -> None:
         return factor
 
     factor = benchmark(work)
-    Q = np.hstack(factor.data_blocks())
+    Q = np.hstack(factor.q_blocks())
     size = np.sqrt(Q.shape[1])
     assert np.linalg.norm(Q.T @ Q - np.eye(Q.shape[1])) <= 16.0 * EPS * size
     np.testing.assert_allclose(Q @ factor.R, M, atol=16.0 * EPS * size * np.linalg.norm(M, axis=0).max())

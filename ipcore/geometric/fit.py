@@ -19,8 +19,8 @@ from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial import graded
 from ipcore.polynomial.univariate import Basis
-from ipcore.search.criteria import StoppingRule
-from ipcore.search.fitter import Fitted
+from ipcore.search.fitter import PrefixFit
+from ipcore.search.stopping_rule import StoppingRule
 
 # All of these were chosen on the 14 outlines and 9 closed surfaces of bench/QUALITY.md, mostly by a few runs of the
 # horse, the bird, the hammer, the bunny and the cow; no claim is made that they are optimal. On copies of all, rotated
@@ -63,10 +63,10 @@ OUTLYING = 5.0  # times t1, or the median distance if that is more: how far from
 class GeometricFit:
     """Fits of degree 1, 2, … in the normalised frame; `raise_to` is all that the search needs."""
 
-    def __init__(self, data: OrientedPoints, options: FitOptions, max_degree: int) -> None:
-        """Take the data; no degree above `max_degree` will be asked for."""
+    def __init__(self, data: OrientedPoints, options: FitOptions, max_degree: int, rule: StoppingRule) -> None:
+        """Take the data and the stopping rule; no degree above `max_degree` will be asked for."""
         self._data, self._options = data, options
-        self._rule = StoppingRule(options.t1, options.t2)
+        self._rule = rule
         count, d = data.points.shape
         self._last = max((n for n in range(1, max_degree + 1) if graded.count(d, n) <= count), default=1)
         self._weights = np.where(crowded(data.points), 1.0, 0.0) if options.robust else np.ones(count)
@@ -78,7 +78,7 @@ class GeometricFit:
         self._prefix, self._reached = np.zeros(0), 0
         self._iterations = 0
 
-    def raise_to(self, alpha: int) -> Fitted:
+    def raise_to(self, alpha: int) -> PrefixFit:
         """Fit at the complete degree with α columns."""
         degree, self._iterations = graded.degree_of(self._data.points.shape[1], alpha), 0
         for lower in range(self._reached + 1, degree):
@@ -188,18 +188,18 @@ class GeometricFit:
         limit = OUTLYING * max(self._options.t1, float(np.median(distance)))
         self._weights = np.where(distance <= limit, 1.0, 0.0)
 
-    def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> Fitted:  # noqa: FBT001 - see Fitted
+    def _step(self, objective: Objective, fit: Refined, quiet: bool | None) -> PrefixFit:  # noqa: FBT001 - see PrefixFit
         polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
         H = objective.normal_equations(objective.evaluate(fit.coefficients))[0]
         conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)
-        return Fitted(
+        return PrefixFit(
             polynomial,
             rows=len(distance),
             columns=objective.columns,
             dropped=0,
             ridged=0,
-            freedom=float(objective.columns),
+            degrees_of_freedom=float(objective.columns),
             rss=float((distance**2).sum()),
             condition=conditioned,
             diagonal_ratio=ratio,

@@ -1,1 +1,1 @@
-"""Linear least-squares fits: the paper's algorithm and its family."""
+"""Linear least-squares fits: the paper's algorithm, and faster ways to the same solution."""

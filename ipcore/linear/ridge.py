@@ -5,10 +5,10 @@ r"""D of ridge regression, (MᵀM + κD) a = Mᵀb: the weights of the squared c
 aᵀDa is then the same however the shape is turned: the multinomial weights make Σ a²·i!j!k!/s! over one form the
 rotation-invariant (Bombieri) norm of that form. With D = I, "the simplest choice", it is not.
 
-D speaks of monomials of the frame. So a ridged fit is computed in monomials, not in Chebyshev products, whose
-coefficients would be damped in a mixture of forms, and the shape's box would decide the mixture. Each damping row then
-has one entry, √(κ D_αα) in column α: when a column is appended nothing earlier moves, and a fit's prefix is the ridged
-fit of the lower degree. Monomials cost no accuracy: with columns scaled to length 1 their condition is no worse (a
+D is about monomials of the frame. So a ridged fit is computed in monomials, not in Chebyshev products: D would damp a
+mixture of their forms, which depends on the shape's box. Each damping row then has one entry, √(κ D_αα) in column α:
+when a column is appended no earlier entry of R changes, and the prefix of a ridged fit is the ridged fit of the lower
+degree. Monomials cost no accuracy: with columns scaled to length 1 their condition is no worse (a
 bird's outline at degree 20: 3e10, Chebyshev products 1e13; the bunny at degree 12: 5e7 and 3e9).
 
 γ_s grows with the number of points as MᵀM does, so with the appendix's D the damping does not depend on how densely the
@@ -25,7 +25,7 @@ from ipcore.polynomial import graded
 
 
 def diagonal(matrix: RidgeMatrix, points: FloatArray, degree: int) -> FloatArray:
-    """Return the diagonal of D (m,) for points (N, d) in the normalised frame, in the order of the monomials.
+    """Return the diagonal of D, (m,), in graded order, for points (N, d) in the normalised frame.
 
     >>> diagonal(RidgeMatrix.INVARIANT, np.array([[2.0, 0.0]]), 2).tolist()      # γ = 1, 4, 16
     [1.0, 4.0, 4.0, 16.0, 8.0, 16.0]

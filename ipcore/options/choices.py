@@ -1,10 +1,9 @@
-"""The options that take a name, one enumeration each, and the checks of names and of ranges of numbers.
+"""The options that take a name, one enumeration each, and the check of a name.
 
 The constraint families, which take a name too, are enumerated in `ipcore.constraints.families`.
 """
 
 from enum import StrEnum
-from numbers import Integral
 from typing import TypeVar
 
 from ipcore.errors import InvalidOptionsError
@@ -12,7 +11,7 @@ from ipcore.errors import InvalidOptionsError
 Choice = TypeVar("Choice", bound=StrEnum)
 
 
-def chosen(name: str, value: object, kind: type[Choice]) -> Choice:
+def member(name: str, value: object, kind: type[Choice]) -> Choice:
     """Return the member of an enumeration for the value that was given for the option `name`.
 
     Raises
@@ -107,35 +106,3 @@ class RidgeMatrix(StrEnum):
 
     INVARIANT = "invariant"
     IDENTITY = "identity"
-
-
-def integer(name: str, value: object, low: int, high: int) -> None:
-    """Check that the value of the option `name` is an integer from `low` to `high`.
-
-    Raises
-    ------
-    InvalidOptionsError
-        If it is not; `at` is the option's name.
-
-    """
-    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
-        raise InvalidOptionsError(f"{name} must be an integer from {low} to {high}, not {value!r}", (name,))
-
-
-def number(name: str, value: object, low: float, high: float, *, open_below: bool = False) -> None:
-    """Check that the value of the option `name` is a number from `low` to `high`, not `low` itself if `open_below`.
-
-    Raises
-    ------
-    InvalidOptionsError
-        If it is not; `at` is the option's name.
-
-    """
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, float))
-        or not low <= value <= high
-        or (open_below and value == low)
-    ):
-        bracket = "more than" if open_below else "at least"
-        raise InvalidOptionsError(f"{name} must be a number {bracket} {low} and at most {high}, not {value!r}", (name,))

@@ -16,15 +16,11 @@ from ipcore.options.choices import (
     Preset,
     Ridge,
     RidgeMatrix,
-    integer,
-    number,
 )
+from ipcore.options.degrees import HIGHEST_DEGREE, last_degree
+from ipcore.options.presets import PRESETS
+from ipcore.options.ranges import RANGES, check_integer, check_number
 from ipcore.polynomial.univariate import Basis
-
-# By dimension: the last degree to try if none is given (231 coefficients in 2D, 969 in 3D), and the highest degree that
-# can be given (861 and 1,771 coefficients).
-DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
-HIGHEST_DEGREE = {2: 40, 3: 20}
 
 _CHOICES: dict[str, type[StrEnum]] = {
     "constraints": Constraints,
@@ -34,17 +30,6 @@ _CHOICES: dict[str, type[StrEnum]] = {
     "ridge": Ridge,
     "ridge_matrix": RidgeMatrix,
     "basis": Basis,
-}
-# κ = 1e-10 moves no fit visibly and still bounds the condition: on three outlines the same column was chosen for every
-# κ from 1e-14 to 1e-4.
-_PRESETS: dict[Preset, dict[str, Any]] = {
-    Preset.DEFAULT: {},
-    Preset.PAPER: {
-        "granularity": Granularity.MONOMIAL,
-        "factor": Factor.GRAM_SCHMIDT,
-        "ridge": Ridge.FULL,
-        "ridge_strength": 1e-10,
-    },
 }
 
 
@@ -145,7 +130,7 @@ class FitOptions:
         >>> str(paper.granularity), str(paper.factor), paper.max_degree
         ('monomial', 'gram-schmidt', 13)
         """
-        start = _PRESETS[choices.chosen("preset", preset, Preset)]
+        start = PRESETS[choices.member("preset", preset, Preset)]
         names = {field.name for field in fields(cls)}
         for name in given:
             if name not in names:
@@ -155,19 +140,14 @@ class FitOptions:
     def __post_init__(self) -> None:
         """Check every value that does not depend on the data, and replace names by the members that they name."""
         for name, kind in _CHOICES.items():
-            object.__setattr__(self, name, choices.chosen(name, getattr(self, name), kind))
+            object.__setattr__(self, name, choices.member(name, getattr(self, name), kind))
         if self.collinear is not None:
-            object.__setattr__(self, "collinear", choices.chosen("collinear", self.collinear, Collinear))
+            object.__setattr__(self, "collinear", choices.member("collinear", self.collinear, Collinear))
         if self.max_degree is not None:
-            integer("max_degree", self.max_degree, 1, max(HIGHEST_DEGREE.values()))
-        number("layer_distance", self.layer_distance, 0.0, 0.3, open_below=True)
-        number("gradient_weight", self.gradient_weight, 0.0, 100.0, open_below=True)
-        number("t1", self.t1, 0.0, float("inf"))
-        number("t2", self.t2, -1.0, 1.0)
-        number("collinear_tol", self.collinear_tol, 0.0, 1.0)
-        number("ridge_strength", self.ridge_strength, 0.0, 1e6, open_below=True)
-        number("angle_weight", self.angle_weight, 0.0, 1.0, open_below=True)
-        integer("neighbours", self.neighbours, 3, 100)
+            check_integer("max_degree", self.max_degree, 1, max(HIGHEST_DEGREE.values()))
+        for name, allowed in RANGES.items():
+            check_number(name, getattr(self, name), allowed)
+        check_integer("neighbours", self.neighbours, 3, 100)
         self._check_together()
 
     def _check_together(self) -> None:
@@ -206,6 +186,17 @@ class FitOptions:
         """
         family = self.family
         return self.criterion.needs_rows or family.rhs_depends_on_degree or not family.is_least_squares
+
+    @property
+    def holds_design_matrix(self) -> bool:
+        """Return whether a linear fit with these options holds all rows and columns of M at once."""
+        return self.needs_rows or self.factor in {Factor.BLOCK, Factor.GRAM_SCHMIDT}
+
+    @property
+    def fits_from_moments(self) -> bool:
+        """Return whether a fit with these options can be made from moments alone: a linear fit to layers, without Q."""
+        by_rows = self.holds_design_matrix or self.factor is Factor.TSQR
+        return self.is_linear and not by_rows and bool(self.layer_offsets)
 
     @property
     def _needs_linear(self) -> bool:
@@ -250,13 +241,7 @@ class FitOptions:
             If `max_degree` is over the highest that the dimension allows.
 
         """
-        cap = DEFAULT_MAX_DEGREE[dimension] if self.max_degree is None else self.max_degree
-        if cap > HIGHEST_DEGREE[dimension]:
-            highest = HIGHEST_DEGREE[dimension]
-            raise InvalidOptionsError(
-                f"max_degree must be at most {highest} for {dimension}D points, not {cap}", ("max_degree",)
-            )
-        return cap
+        return last_degree(self.max_degree, dimension)
 
     def to_dict(self) -> dict[str, Any]:
         """Return every option by name, ready for JSON."""

@@ -1,6 +1,13 @@
-"""A polynomial seen from all of its data, part by part."""
+r"""How close and how smooth a polynomial is at the data (the paper's section 4.2).
+
+D_dist   = mean |f(x_i)| / ‖∇f(x_i)‖         the first-order distance of the data from the zero set, in mean radii
+D_smooth = mean n_i · ∇f(x_i) / ‖∇f(x_i)‖    the cosine between the data's normals and the fit's               (6)
+
+All polynomials and points here are in the normalised frame. The data are taken part by part, by several threads.
+"""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -9,46 +16,83 @@ from ipcore import _threads
 from ipcore._typing import FloatArray
 from ipcore.points.oriented import OrientedPoints, Part
 from ipcore.polynomial.implicit import ImplicitPolynomial, values_and_gradients
-from ipcore.search.criteria import Closeness, distances_and_cosines
 
-Weighed = tuple[Part, FloatArray | None]
+WeightedPart = tuple[Part, FloatArray | None]
+# Gradients are taken to be at least this long, so that a point where f is flat is far from the zero set, not undefined.
+SHORTEST_GRADIENT = np.finfo(float).tiny
+
+
+@dataclass(frozen=True, eq=False)
+class Closeness:
+    """How close a fit is to its data.
+
+    Attributes
+    ----------
+    d_dist, d_smooth
+        The two means above.
+    max_distance
+        The maximum of |f|/‖∇f‖ over the data, in mean radii.
+
+    """
+
+    d_dist: float
+    d_smooth: float
+    max_distance: float
+
+
+def distances_and_cosines(f: FloatArray, gradient: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return |f|/‖∇f‖ and n·∇f/‖∇f‖, (N,) each, from f (N,) and ∇f (N, d) in the normalised frame and unit normals.
+
+    >>> at = distances_and_cosines(np.array([0.1]), np.array([[0.0, 2.0]]), np.array([[0.0, 1.0]]))
+    >>> [values.tolist() for values in at]
+    [[0.05], [1.0]]
+    """
+    size = np.maximum(np.linalg.norm(gradient, axis=1), SHORTEST_GRADIENT)
+    return np.abs(f) / size, np.einsum("ij,ij->i", normals, gradient) / size
 
 
 def closenesses(
     polynomials: Sequence[ImplicitPolynomial], data: OrientedPoints, weights: FloatArray | None = None
 ) -> list[Closeness]:
-    """Return how close polynomials of the normalised frame, all in one basis, are to their data, in one pass.
+    """Return how close each of p polynomials, all in one basis, is to the data, in one pass over all points.
 
-    If there are weights, one for each point that is held, these points count and no others.
+    With weights (N,), one for each point that is held, the means are weighted, and the points of a stream that are not
+    held do not count.
     """
-    sums, farthest = np.zeros((2, len(polynomials))), np.zeros(len(polynomials))
-    for some, far in _threads.ordered(partial(_sums, polynomials), _weighed(data, weights)):
-        sums += some
-        farthest = np.maximum(farthest, far)
+    sums, maxima = np.zeros((2, len(polynomials))), np.zeros(len(polynomials))
+    for part_sums, part_maxima in _threads.ordered(partial(_sums, polynomials), _weighted_parts(data, weights)):
+        sums += part_sums
+        maxima = np.maximum(maxima, part_maxima)
     d_dist, d_smooth = sums / (data.count if weights is None else weights.sum())
-    return [Closeness(*three) for three in zip(d_dist.tolist(), d_smooth.tolist(), farthest.tolist(), strict=True)]
+    return [Closeness(*three) for three in zip(d_dist.tolist(), d_smooth.tolist(), maxima.tolist(), strict=True)]
 
 
 def closeness(polynomial: ImplicitPolynomial, data: OrientedPoints, weights: FloatArray | None = None) -> Closeness:
-    """Return how close a polynomial of the normalised frame is to its data, as `closenesses` does."""
+    """Return how close one polynomial is to the data, as `closenesses` does."""
     return closenesses([polynomial], data, weights)[0]
 
 
-def percentile(polynomial: ImplicitPolynomial, data: OrientedPoints, share: float) -> float:
-    """Return the distance |f|/‖∇f‖, in mean radii, within which this share of the points lies; of many, a sample."""
-    seen = _threads.ordered(partial(_seen, [polynomial]), data.thinned.parts())
-    return float(np.quantile(np.concatenate([distances for ((distances, _),) in seen]), share))
+def distance_quantile(polynomial: ImplicitPolynomial, data: OrientedPoints, share: float) -> float:
+    """Return the quantile `share`, 0 … 1, of the distances |f|/‖∇f‖, in mean radii.
+
+    Of many points, a sample is taken.
+    """
+    parts = _threads.ordered(partial(_distances_and_cosines, [polynomial]), data.thinned.parts())
+    return float(np.quantile(np.concatenate([distances for ((distances, _),) in parts]), share))
 
 
-def moved(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, data: OrientedPoints) -> float:
-    """Return how far the delivered zero set lies from the fitted one at the data, at most, in mean radii."""
+def delivery_shift(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, data: OrientedPoints) -> float:
+    """Return the maximum over the data of |f_fitted − f_delivered| / ‖∇f_delivered‖, in mean radii.
+
+    To first order, it is how far the zero set moves at the data when the coefficients are converted to another basis.
+    """
     if delivered.basis is fitted.basis:
         return 0.0
-    return max(_threads.ordered(partial(_moved, fitted, delivered), data.parts()))
+    return max(_threads.ordered(partial(_shift, fitted, delivered), data.parts()))
 
 
-def _weighed(data: OrientedPoints, weights: FloatArray | None) -> Iterable[Weighed]:
-    """Return the parts with the weights of their points."""
+def _weighted_parts(data: OrientedPoints, weights: FloatArray | None) -> Iterable[WeightedPart]:
+    """Return the parts of the data with the weights (n,) of their points, or None in place of weights."""
     if weights is None and data.stream is not None:
         return ((part, None) for part in data.parts())
     parts = data.held_parts()
@@ -57,19 +101,23 @@ def _weighed(data: OrientedPoints, weights: FloatArray | None) -> Iterable[Weigh
     return list(zip(parts, each, strict=True))
 
 
-def _sums(polynomials: Sequence[ImplicitPolynomial], weighed: Weighed) -> tuple[FloatArray, FloatArray]:
-    """Return Σ w |f|/‖∇f‖ and Σ w n·∇f/‖∇f‖, (2, p), and the largest |f|/‖∇f‖ (p,)."""
-    part, w = weighed
-    seen = np.array(_seen(polynomials, part))  # (p, 2, n)
-    return (seen.sum(axis=2) if w is None else seen @ w).T, seen[:, 0].max(axis=1)
+def _sums(polynomials: Sequence[ImplicitPolynomial], weighted: WeightedPart) -> tuple[FloatArray, FloatArray]:
+    """Return Σ w |f|/‖∇f‖ and Σ w n·∇f/‖∇f‖, (2, p), and the largest |f|/‖∇f‖, (p,), over one part."""
+    part, w = weighted
+    values = np.array(_distances_and_cosines(polynomials, part))  # (p, 2, n)
+    return (values.sum(axis=2) if w is None else values @ w).T, values[:, 0].max(axis=1)
 
 
-def _seen(polynomials: Sequence[ImplicitPolynomial], part: Part) -> list[tuple[FloatArray, FloatArray]]:
+def _distances_and_cosines(
+    polynomials: Sequence[ImplicitPolynomial], part: Part
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return |f|/‖∇f‖ and n·∇f/‖∇f‖, (n,) each, of every polynomial at one part."""
     n = part.normals
     return [distances_and_cosines(f, gradient, n) for f, gradient in values_and_gradients(polynomials, part.points)]
 
 
-def _moved(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, part: Part) -> float:
+def _shift(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, part: Part) -> float:
+    """Return the maximum of |f_fitted − f_delivered| / ‖∇f_delivered‖ over one part."""
     f, gradient = delivered.value_and_gradient(part.points)
-    size = np.maximum(np.linalg.norm(gradient, axis=1), np.finfo(float).tiny)
+    size = np.maximum(np.linalg.norm(gradient, axis=1), SHORTEST_GRADIENT)
     return float((np.abs(fitted(part.points) - f) / size).max())

@@ -1,126 +1,138 @@
-"""The search for the degree: fit, measure, judge, go on (the paper's section 4.3).
+"""The search for the degree: fit, measure, compare, go on (the paper's section 4.3).
 
-What fits at each stop and what judges the fits are plugged in; the loop is written once.
+The method of fitting and the stopping criterion are plugged in; the loop is written once.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
-from ipcore.options.choices import Criterion, Granularity
+from ipcore.options.choices import Granularity
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial import graded
-from ipcore.search import criteria
-from ipcore.search.closeness import closenesses
-from ipcore.search.criteria import Closeness
-from ipcore.search.fitter import Fitted, Fitter
-from ipcore.search.result import Step, StopReason
-from ipcore.search.stopping import Judge
+from ipcore.search.closeness import Closeness, closenesses
+from ipcore.search.fitter import Fitter, PrefixFit
+from ipcore.search.result import Step
+from ipcore.search.stop_reason import StopReason
+from ipcore.search.stopping import StoppingCriterion, gcv
 
 Progress = Callable[[Step], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
-    """How a search ended: its best fit, in the normalised frame, and what was noted and seen of it."""
+class Candidate:
+    """One fit of the search, how close it is to the data, and its entry in the trace."""
 
-    fitted: Fitted
+    fit: PrefixFit
+    closeness: Closeness
     step: Step
-    at: Closeness
-    reason: StopReason
 
 
-def stops(dimension: int, cap: int, granularity: Granularity) -> Sequence[int]:
-    """Return the numbers of columns α at which a search looks at the fit, up to the degree `cap`.
+def column_counts(dimension: int, max_degree: int, granularity: Granularity) -> Sequence[int]:
+    """Return the numbers of columns α at which a search makes a fit, up to the degree `max_degree`.
 
     Form by form from degree 1, or column by column from α = 2, the first that has a gradient.
 
-    >>> list(stops(2, 3, Granularity.FORM)), list(stops(2, 2, Granularity.MONOMIAL))
+    >>> list(column_counts(2, 3, Granularity.FORM)), list(column_counts(2, 2, Granularity.MONOMIAL))
     ([3, 6, 10], [2, 3, 4, 5, 6])
     """
     if granularity is Granularity.MONOMIAL:
-        return range(2, graded.count(dimension, cap) + 1)
-    return [graded.count(dimension, degree) for degree in range(1, cap + 1)]
+        return range(2, graded.count(dimension, max_degree) + 1)
+    return [graded.count(dimension, degree) for degree in range(1, max_degree + 1)]
 
 
 class DegreeSearch:
-    """The loop over stops: each is fitted, measured and kept in the trace; the best is remembered."""
+    """The loop over numbers of columns: each fit is made, measured and kept in the trace; the best is remembered.
 
-    def __init__(self, data: OrientedPoints, options: FitOptions, way: Fitter, judge: Judge) -> None:
-        """Search on these data with this way to fit and this judge."""
+    Attributes
+    ----------
+    steps
+        The trace so far.
+    data, options, fitter
+        As given.
+
+    """
+
+    def __init__(self, data: OrientedPoints, options: FitOptions, fitter: Fitter, criterion: StoppingCriterion) -> None:
+        """Search on these data with this method of fitting and this criterion."""
         self.steps: list[Step] = []
-        self.data, self.options, self.way = data, options, way
-        self._judge = judge
+        self.data, self.options, self.fitter = data, options, fitter
+        self._criterion = criterion
 
-    def run(self, alphas: Sequence[int], progress: Progress | None) -> Found:
-        """Raise the number of columns until the judge has seen enough or nothing higher can be tried."""
-        best: tuple[float, Fitted, Step, Closeness] | None = None
-        some = self._determined(alphas)
-        reason = self._judge.exhausted if len(some) == len(alphas) else StopReason.TOO_FEW_POINTS
-        for group in self._groups(some, progress):
-            tried = self._try(group)
-            for fitted, step, at in tried:
-                score = self._judge.score(step)
-                if best is None or score < best[0]:
-                    best = score, fitted, step, at
-                self.steps.append(step)
+    def run(self, alphas: Sequence[int], progress: Progress | None) -> tuple[Candidate, StopReason]:
+        """Try numbers of columns α, in rising order, until the criterion says stop or no more can be fitted.
+
+        Return the best fit and why the search ended. `progress` is called with every step.
+        """
+        best: Candidate | None = None
+        determined = self._determined(alphas)
+        reason = self._criterion.exhausted if len(determined) == len(alphas) else StopReason.TOO_FEW_POINTS
+        for batch in self._batches(determined, progress):
+            candidates = self._fit(batch)
+            for candidate in candidates:
+                if best is None or self._criterion.score(candidate.step) < self._criterion.score(best.step):
+                    best = candidate
+                self.steps.append(candidate.step)
                 if progress is not None:
-                    progress(step)
-                verdict = self._judge.verdict(step, best[2])
+                    progress(candidate.step)
+                verdict = self._criterion.verdict(candidate.step, best.step)
                 if verdict is not None:
-                    return Found(best[1], best[2], best[3], verdict)
-            if len(tried) < len(group):
+                    return best, verdict
+            if len(candidates) < len(batch):
                 reason = StopReason.ILL_CONDITIONED
                 break
         if best is None:
-            raise ValueError("a search needs at least one stop")
-        return Found(best[1], best[2], best[3], reason)
+            raise ValueError("a search needs at least one number of columns")
+        return best, reason
 
     def _determined(self, alphas: Sequence[int]) -> Sequence[int]:
-        """Return the first stop, and those with no more columns than there are points."""
+        """Return the first α, and those that are no more than there are points."""
         most = max(self.data.count, self.data.points.shape[1] + 1)
         return [alpha for k, alpha in enumerate(alphas) if not k or alpha <= most]
 
-    def _groups(self, alphas: Sequence[int], progress: Progress | None) -> Sequence[Sequence[int]]:
-        """Return the stops in groups that are looked at together: one by one, unless nobody asks before the end."""
-        if progress is None and self.options.criterion is Criterion.NONE and self.options.is_linear:
+    def _batches(self, alphas: Sequence[int], progress: Progress | None) -> Sequence[Sequence[int]]:
+        """Return the α in batches whose fits are measured in one pass over the data.
+
+        All in one batch if every α will be tried and no one is told of the steps before the end, else one by one.
+        """
+        if progress is None and self._criterion.never_stops and self.options.is_linear:
             return [alphas] if alphas else []
         return [[alpha] for alpha in alphas]
 
-    def _try(self, alphas: Sequence[int]) -> list[tuple[Fitted, Step, Closeness]]:
-        """Return the fits and what is noted and seen of them; fewer if not all of them can be had."""
+    def _fit(self, alphas: Sequence[int]) -> list[Candidate]:
+        """Return the fits with these numbers of columns; fewer if not all of them are determined."""
         fits, seconds, started = [], [], perf_counter()
         for alpha in alphas:
-            fitted = self.way.raise_to(alpha)
-            if fitted is None:
+            fit = self.fitter.raise_to(alpha)
+            if fit is None:
                 break
-            fits.append(fitted)
+            fits.append(fit)
             seconds.append(perf_counter() - started)
             started = perf_counter()
         if not fits:
             return []
-        seen = closenesses([fitted.polynomial for fitted in fits], self.data, fits[0].weights)
+        measured = closenesses([fit.polynomial for fit in fits], self.data, fits[0].weights)
         share = (perf_counter() - started) / len(fits)
-        steps = [self._step(*each) for each in zip(fits, seen, [one + share for one in seconds], strict=True)]
-        return list(zip(fits, steps, seen, strict=True))
+        return [
+            Candidate(fit, closeness, self._step(fit, closeness, one + share))
+            for fit, closeness, one in zip(fits, measured, seconds, strict=True)
+        ]
 
-    def _step(self, fitted: Fitted, at: Closeness, seconds: float) -> Step:
-        asked = self.options.criterion is Criterion.BIC
-        return Step(
-            degree=fitted.polynomial.degree,
-            columns=fitted.columns,
-            dropped=fitted.dropped,
-            d_dist=at.d_dist,
-            d_smooth=at.d_smooth,
-            rss=fitted.rss,
-            gcv=criteria.gcv(fitted.rows, fitted.freedom, fitted.rss),
-            condition=fitted.condition,
+    def _step(self, fit: PrefixFit, closeness: Closeness, seconds: float) -> Step:
+        step = Step(
+            degree=fit.polynomial.degree,
+            columns=fit.columns,
+            dropped=fit.dropped,
+            d_dist=closeness.d_dist,
+            d_smooth=closeness.d_smooth,
+            rss=fit.rss,
+            gcv=gcv(fit.rows, fit.degrees_of_freedom, fit.rss),
+            condition=fit.condition,
             seconds=seconds,
-            ridged=fitted.ridged,
-            bic=criteria.bic(fitted.rows, fitted.freedom, fitted.rss) if asked else None,
-            loo=fitted.loo,
-            diagonal_ratio=fitted.diagonal_ratio,
-            iterations=fitted.iterations,
-            quiet=fitted.quiet,
+            ridged=fit.ridged,
+            diagonal_ratio=fit.diagonal_ratio,
+            iterations=fit.iterations,
+            quiet=fit.quiet,
         )
+        return self._criterion.record(step, fit)

@@ -1,4 +1,4 @@
-"""What a search needs of a way to fit: the polynomials of rising prefixes of columns, with what is known of each."""
+"""The interface between the search and the methods of fitting: fits with growing prefixes of the columns of M."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,31 +8,32 @@ from ipcore.polynomial.implicit import ImplicitPolynomial
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
-    """The fit with the first α columns.
+class PrefixFit:
+    """The fit with the first α columns of M, as a method of fitting returns it.
 
     Attributes
     ----------
     polynomial
-        In the normalised frame and the basis the fit works in; 0 where a column was dropped or is still to come.
+        In the normalised frame and the basis of the method; 0 where a column was dropped or is not yet appended.
     rows, columns, dropped, ridged
-        The system's size: equations, coefficients in use, coefficients left out, coefficients damped.
-    freedom
-        Degrees of freedom.
+        How many equations, coefficients in use, coefficients left out, and coefficients damped there are.
+    degrees_of_freedom
+        The trace of the matrix that takes b to M a.
     rss
         Residual sum of squares.
     condition, diagonal_ratio
-        Estimated condition of R with columns scaled to length 1, and the paper's measure of it.
+        Estimated condition of R with columns scaled to length 1, and max |r_ii| / min |r_ii|, the paper's measure.
     loo
-        Mean squared error at points left out; None unless asked for.
+        Mean squared error at points left out one by one; None unless it is the criterion.
     iterations
-        Steps of the nonlinear fit.
+        Iterations of a nonlinear fit; 0 if it is linear.
     quiet
-        Whether a survey found the zero set by the data and nowhere else; None if it was not looked at.
+        Whether a check on fine grids found the zero set near the data only, and whole; None if it was not checked.
     unsure
-        Share of the box, without what is near the data, where signs could not be told; None if none were asked for.
+        Share of the box, without what is near the data, where the data do not tell inside from outside; None without
+        sign constraints.
     weights
-        (N,), what each point counts, if not all the same.
+        (N,), the weights of the points in the fit; None if all are 1.
 
     """
 
@@ -41,7 +42,7 @@ class Fitted:
     columns: int
     dropped: int
     ridged: int
-    freedom: float
+    degrees_of_freedom: float
     rss: float
     condition: float
     diagonal_ratio: float
@@ -53,12 +54,12 @@ class Fitted:
 
 
 class Fitter(Protocol):
-    """How the polynomial of so many columns is found: what `DegreeSearch` searches with."""
+    """A method of fitting, with which `DegreeSearch` searches."""
 
-    def raise_to(self, alpha: int) -> Fitted | None:
-        """Return the fit with the first α columns, more than the last time; None if they cannot be told apart."""
+    def raise_to(self, alpha: int) -> PrefixFit | None:
+        """Return the fit with the first α columns, more than at the last call; None if they are not determined."""
         ...
 
     def orthogonality_loss(self, columns: int) -> float | None:
-        """Return ‖QᵀQ − I‖₂ of the first columns that were kept; None where it is rounding by construction."""
+        """Return ‖QᵀQ − I‖₂ of the first columns that were kept; None for methods that keep it at rounding."""
         ...

@@ -1,81 +1,51 @@
-"""What a fit returns."""
+"""The result of a fit: the polynomial, the trace of the search, and what was measured of the answer."""
 
 from dataclasses import asdict, dataclass
-from enum import StrEnum
 from typing import Any
 
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.normals import NormalSource
 from ipcore.polynomial.implicit import ImplicitPolynomial
-
-
-class StopReason(StrEnum):
-    """Why no higher degree was tried."""
-
-    CRITERION_MET = "criterion-met"
-    MAX_DEGREE = "max-degree"
-    TOO_FEW_POINTS = "too-few-points"
-    PLANAR = "planar"
-    CRITERION_MINIMUM = "criterion-minimum"
-    DEGREE_REACHED = "degree-reached"
-    ILL_CONDITIONED = "ill-conditioned"
-
-    @property
-    def advice(self) -> str:
-        """Return what happened and what to do about it, in one sentence."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    StopReason.CRITERION_MET: "The fit is as close and as smooth as was asked for.",
-    StopReason.MAX_DEGREE: "No degree up to max_degree met the criterion, and the best one is returned: raise "
-    "max_degree, or on noisy data raise t1 to about the noise or take another criterion, gcv say.",
-    StopReason.TOO_FEW_POINTS: "The next degree has more coefficients than there are points, and the best fit so far "
-    "is returned: give more points, or raise t1.",
-    StopReason.PLANAR: "All points lie on one plane: degree 1 represents it, and no higher degree is determined.",
-    StopReason.CRITERION_MINIMUM: "The criterion has passed its minimum, and the fit at the minimum is returned.",
-    StopReason.DEGREE_REACHED: "The degree that was asked for is reached.",
-    StopReason.ILL_CONDITIONED: "Moments alone do not determine the next degree, and the best fit so far is returned: "
-    "fit the points themselves, or raise t1.",
-}
+from ipcore.search.stop_reason import StopReason
 
 
 @dataclass(frozen=True)
 class Step:
-    """One fit of the search: at a complete degree, or at one column α = columns + dropped.
+    """One fit of the search: with all columns of a degree, or with the first α = columns + dropped columns.
 
     Attributes
     ----------
     degree
-        The total degree n, or that in which the column lies.
+        The total degree n of the last column.
     columns
-        How many coefficients the fit has.
+        How many coefficients are in use.
     dropped
-        How many more were left out so far, because their columns are collinear with earlier ones.
+        How many coefficients are left out, because their columns are collinear with earlier ones.
     d_dist, d_smooth
         Closeness in mean radii and smoothness (the paper's eq. 6) at the data.
     rss
-        Residual sum of squares of M a = b, in squared mean radii.
+        Residual sum of squares ‖M a − b‖², in squared mean radii.
     gcv
         Generalised cross-validation, rows · rss / (rows − k)², k the degrees of freedom: columns, or less if ridged.
     condition
-        Estimated 1-norm condition of R with columns scaled to length 1, in the basis the fit works in.
+        Estimated 1-norm condition of R with columns scaled to length 1, in the basis that the fit is computed in.
     seconds
-        Wall-clock time that this step took.
+        Wall-clock time of this step.
     ridged
-        How many of the columns are damped by ridge regression.
+        How many coefficients are damped by ridge regression.
     bic
-        Schwarz' criterion; None unless it was asked for.
+        Schwarz' criterion; None unless it is the criterion of the search.
     loo
-        Mean squared error of the rows of points left out one by one, in squared mean radii; None unless asked for.
+        Mean squared error of the rows of points left out one by one, in squared mean radii; None unless it is the
+        criterion of the search.
     diagonal_ratio
-        max |r_ii| / min |r_ii|, by which the paper judges the condition (section 5.1): only a lower bound of it.
+        max |r_ii| / min |r_ii|, the paper's measure of the condition (section 5.1): only a lower bound of it.
     iterations
-        Steps of the geometric fit or of that under sign constraints; 0 if it is linear. `rss` is then the sum of
-        squared first-order distances, and `condition` and `diagonal_ratio` are those of the Jacobian.
+        Iterations of the geometric fit or of that under sign constraints; 0 if the fit is linear. If it is not, `rss`
+        is the sum of squared first-order distances, and `condition` and `diagonal_ratio` are those of the Jacobian.
     quiet
-        Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not looked
-        at, because the fit is linear or still far from the criterion.
+        Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not checked,
+        because the fit is linear or still far from the criterion.
 
     """
 
@@ -97,7 +67,7 @@ class Step:
 
     @property
     def alpha(self) -> int:
-        """Return α, how many columns of Table 1 were tried so far."""
+        """Return α, the number of columns of Table 1 that were tried."""
         return self.columns + self.dropped
 
 
@@ -105,14 +75,14 @@ class Step:
 class Diagnostics:
     """What is known of the returned polynomial. Distances are in mean radii.
 
-    D_dist, D_smooth and the maximum are over all points; of more than 50,000, a sample of so many stands for the rest.
+    D_dist, D_smooth and the maximum are over all points. For the other figures, 50,000 points at most are taken.
 
     Attributes
     ----------
     d_dist, d_smooth
-        As delivered, so including what the answer's basis costs.
+        Closeness and smoothness of the returned coefficients, so with the rounding of a conversion to their basis.
     distance_p95, distance_max
-        95th percentile and maximum of |f|/‖∇f‖ over the data.
+        95th percentile and maximum of the distance |f|/‖∇f‖ over the data.
     stray
         Share of the zero set's length or area, within the bounds, that lies away from all data; None if not measured.
     components
@@ -120,19 +90,20 @@ class Diagnostics:
     normal_source
         Where the normals came from: the caller, the order of the outline, or estimation.
     normal_self_check
-        Share of points whose normal has the inside behind it and the outside before it, by the winding number of all.
-        It tells outward from inward, and falls for open surfaces and for wrongly oriented normals.
+        Share of the points whose normal points from inside to outside, by the winding number of all points and normals.
+        It is near 0 for inward normals, and lower for open surfaces and where some normals point the wrong way.
     bounded
-        Whether the leading form is definite: then the degree is even and no part of the zero set runs to infinity.
+        Whether the leading form is definite: then the degree is even and no part of the zero set extends to infinity.
     orthogonality_loss
-        ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None where another factorisation keeps it.
+        ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None for factorisations that keep it.
     quiet
-        Whether, with signs constrained, the zero set kept to the data and was whole on two fine grids; None if that was
-        not asked for. Where points are farther apart than what counts as stray, it crosses the gap and is quiet still.
+        Whether the zero set was found near the data only, and whole, on two fine grids; None without sign constraints.
+        Where neighbouring points are farther apart than the support radius, a zero set that crosses the gap is quiet.
     unsure
-        Share of the box, without what is near the data, where the data do not tell inside from outside.
+        Share of the box, without what is near the data, where the data do not tell inside from outside; None without
+        sign constraints.
     outliers
-        Share of the points that a robust fit left out, and that no other figure counts; None without it.
+        Share of the points that a robust fit left out, and that no other figure counts; None if the fit is not robust.
 
     """
 
@@ -153,7 +124,7 @@ class Diagnostics:
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
-    """A fit, the evidence for it, and what makes it repeatable.
+    """A fit: the polynomial, what was measured of it, and what is needed to repeat it.
 
     Attributes
     ----------
@@ -162,15 +133,15 @@ class FitResult:
     stop_reason
         Why the search ended; `stop_reason.advice` says what to do about it.
     steps
-        Every degree or column that was tried, in order.
+        All fits that were made, in order.
     diagnostics
-        The answer seen from the data, and its zero set.
+        What was measured of the answer at the data, and of its zero set.
     warnings
         What a careful user should know, in plain words.
     options
-        As asked for.
+        The options of the fit.
     version
-        Of this library.
+        The version of this library.
     input_sha256
         SHA-256 of the points and normals as they were used: shape, then doubles, little-endian, in C order.
 

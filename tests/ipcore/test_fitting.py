@@ -9,7 +9,7 @@ from ipcore import shapes
 from ipcore._typing import FloatArray
 from ipcore.polynomial import graded
 from ipcore.polynomial.frame import Frame
-from ipcore.search.stopping import judge
+from ipcore.search.stopping import stopping_criterion
 from ipcore.shapes import Shape
 
 EPS = np.finfo(float).eps
@@ -90,7 +90,7 @@ def test_noise_that_never_meets_the_rule_still_gives_the_best_fit_and_its_reason
     result = ipcore.fit(noisy, normals, options)
     assert result.stop_reason is ipcore.StopReason.MAX_DEGREE
     assert len(result.steps) == 8
-    best = min(result.steps, key=judge(options).score)  # not always the closest: a quiet one comes first
+    best = min(result.steps, key=stopping_criterion(options).score)  # not always the closest: a quiet one comes first
     assert result.diagnostics.d_dist == pytest.approx(best.d_dist, rel=1e-6)
 
 

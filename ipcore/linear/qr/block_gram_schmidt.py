@@ -20,11 +20,11 @@ class BlockGramSchmidt(Factorisation):
     """M = QR by blocks of columns, with Q orthonormal to rounding whatever the condition of M."""
 
     def append(self, columns: FloatArray, damping: FloatArray | None = None) -> BoolArray:
-        """Append columns C (rows, k) with their κ d (k,), and return which of them were kept, (k,)."""
-        C = self._with_room(columns)
+        """Append columns C (rows, k) with their κ d (k,); return whether each was kept, (k,)."""
+        C = self._padded(columns)
         S, W = self._project(C)
         Q1, R1 = np.linalg.qr(W)
-        kept, damped = self._judge(R1, np.linalg.norm(columns, axis=0))
+        kept, damped = self._classify(R1, np.linalg.norm(columns, axis=0))
         if damping is not None:
             self._damp(W, damping, damped)
         if damped.any() or not kept.all():
@@ -33,25 +33,25 @@ class BlockGramSchmidt(Factorisation):
         if kept.any():
             S2, W = self._project(Q1)
             Q2, R2 = np.linalg.qr(W)
-            self._grow(Q2, S + S2 @ R1, R2 @ R1)
+            self._append_factor(Q2, S + S2 @ R1, R2 @ R1)
         self.kept = np.concatenate([self.kept, kept])
         return kept
 
-    def _judge(self, R: FloatArray, sizes: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Return which columns to keep and which to damp."""
+    def _classify(self, R: FloatArray, sizes: FloatArray) -> tuple[BoolArray, BoolArray]:
+        """Return which columns to keep and which to damp, (k,) each, from their R (k, k) and lengths (k,)."""
         policy = self._policy
-        new = independent(R, (0.0 if policy.collinear is Collinear.KEEP else policy.tolerance) * sizes)
+        new = independent_columns(R, (0.0 if policy.collinear is Collinear.KEEP else policy.tolerance) * sizes)
         kept = np.ones_like(new) if policy.collinear is Collinear.RIDGE else new
         damped = kept if policy.full else kept & ~new
         return kept, damped
 
-    def _with_room(self, C: FloatArray) -> FloatArray:
-        """Return C with rows of zeros for the ridge below it, if there can be any."""
+    def _padded(self, C: FloatArray) -> FloatArray:
+        """Return C (rows, k) with rows of zeros below it, one for each column that may be damped."""
         room = len(self._b) - self._rows
         return np.pad(C, ((0, room), (0, 0))) if room else C
 
     def _project(self, C: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return S = QᵀC and C − QS."""
+        """Return S = QᵀC and C − QS, with Q all columns so far."""
         blocks = self._Q.blocks()
         if not blocks:
             return np.zeros((0, C.shape[1])), C
@@ -63,11 +63,12 @@ class BlockGramSchmidt(Factorisation):
         return S, W
 
 
-def independent(R: FloatArray, smallest: FloatArray) -> BoolArray:
-    """Return which columns of a triangular factor (k, k) to keep, leaving out one by one those with |r_ii| too small.
+def independent_columns(R: FloatArray, smallest: FloatArray) -> BoolArray:
+    """Return which columns of a triangular factor R (k, k) are independent, (k,): those with |r_ii| > smallest (k,).
 
-    Whatever the direction of a left-out column's rounding noise was, the columns after it get it back before they are
-    judged, which is why R is factored again each time.
+    Columns are left out one by one, from the left. The direction of a left-out column is rounding noise, but the later
+    columns had their part along it taken out; R is factored again each time so that they get it back before they are
+    compared.
     """
     kept = np.ones(R.shape[1], dtype=np.bool_)
     while kept.any():

@@ -1,9 +1,9 @@
-r"""What every factorisation of a growing matrix M = QR offers; columns are appended, nothing earlier changes (Fig. 2).
+r"""The base of all factorisations M = QR of a growing matrix: new columns change nothing of earlier ones (Fig. 2).
 
-Ridge regression is a matter of more rows: below M stands, for every damped column, one row that is √(κ d_k) in that
-column and 0 elsewhere. Its least-squares solution is that of (MᵀM + κD) a = Mᵀb, which is the paper's eq. (8) for
-M = QR. The row is 0 in all earlier columns, so appending it with its column turns r_kk into √(r_kk² + κ d_k) and moves
-nothing else.
+Ridge regression adds rows below M: for every damped column one row that is √(κ d_k) in that column and 0 elsewhere.
+The least-squares solution with these rows is that of (MᵀM + κD) a = Mᵀb, which is the paper's eq. (8) for M = QR. The
+row is 0 in all earlier columns, so appending it with its column turns r_kk into √(r_kk² + κ d_k) and changes nothing
+else.
 """
 
 from abc import ABC, abstractmethod
@@ -19,14 +19,14 @@ from ipcore.options.choices import Collinear
 
 @dataclass(frozen=True)
 class Policy:
-    """What is done about columns that are hard to tell apart.
+    """Which columns are left out, and which are damped.
 
     Attributes
     ----------
     tolerance
-        Column i is collinear when |r_ii| ≤ tolerance · ‖c_i‖, r_ii taken before it is damped itself.
+        Column c_i is collinear when |r_ii| ≤ tolerance · ‖c_i‖, with r_ii before any damping of this column.
     collinear
-        Drop such columns, damp them, or keep them; of a column that is kept something must be new.
+        Whether such columns are dropped, damped, or kept. A column with r_ii = 0 is dropped even if they are kept.
     full
         Whether every column is damped.
 
@@ -47,9 +47,9 @@ class Factorisation(ABC):
     rhs
         (k,), b̃ = Qᵀb.
     kept
-        (m,), which of the m columns appended so far were kept.
+        (m,), whether each of the m columns appended so far was kept.
     ridged
-        How many of these are damped.
+        How many of the kept columns are damped.
 
     """
 
@@ -61,9 +61,9 @@ class Factorisation(ABC):
         b
             (rows,), the right-hand side.
         policy
-            What is done about collinear columns.
+            Which columns are left out or damped.
         damped
-            How many columns may be damped at most, each of which takes one row more.
+            The highest number of columns that may be damped; each takes one more row.
 
         """
         self.kept: BoolArray = np.zeros(0, dtype=np.bool_)
@@ -75,7 +75,7 @@ class Factorisation(ABC):
         self._Q = Columns(len(self._b))
         self._R: FloatArray = np.zeros((0, 0))
         self._rhs: FloatArray = np.zeros(0)
-        self._freedom = 0.0
+        self._trace = 0.0
 
     @abstractmethod
     def append(self, columns: FloatArray, damping: FloatArray | None = None) -> BoolArray:
@@ -94,7 +94,7 @@ class Factorisation(ABC):
 
     @property
     def rss(self) -> float:
-        """Return the residual sum of squares ‖M a − b‖² of the solution, kept as a vector so that no digits cancel."""
+        """Return ‖M a − b‖² of the solution, from the residual as a vector, so that no digits cancel."""
         return float(self.residual @ self.residual)
 
     @property
@@ -103,25 +103,25 @@ class Factorisation(ABC):
         return self._residual[: self._rows]
 
     @property
-    def freedom(self) -> float:
-        """Return the degrees of freedom, the trace of the matrix that takes b to M a: k, or less if damped."""
-        return self._freedom if self.ridged else float(self._Q.count)
+    def degrees_of_freedom(self) -> float:
+        """Return the trace of the matrix that takes b to M a: k, or less if columns are damped."""
+        return self._trace if self.ridged else float(self._Q.count)
 
-    def data_blocks(self, start: int = 0) -> list[FloatArray]:
+    def q_blocks(self, start: int = 0) -> list[FloatArray]:
         """Return the columns of Q from `start` on in blocks (rows, …), without the rows of the ridge."""
         return [Q[: self._rows] for Q in self._Q.blocks(start)]
 
-    def retarget(self, b: FloatArray) -> None:
-        """Take another right-hand side (rows,): b̃ is computed anew."""
+    def replace_rhs(self, b: FloatArray) -> None:
+        """Take another right-hand side (rows,), and compute b̃ anew."""
         self._b[: self._rows] = b
         self._residual = self._b.copy()
         done = 0
         for Q in self._Q.blocks():
-            self._explain(Q, done)
+            self._project_rhs(Q, done)
             done += Q.shape[1]
 
     def solve(self, rhs: FloatArray | None = None) -> FloatArray:
-        """Return a (m,), the solution of R a = b̃ or of R a = `rhs`, zero for columns that were left out."""
+        """Return a (m,), the solution of R a = b̃, or of R a = `rhs` (k,); a is 0 for columns that were left out."""
         a = np.zeros(len(self.kept))
         if self._Q.count:
             a[self.kept] = solve_triangular(self.R, self.rhs if rhs is None else rhs, check_finite=False)
@@ -139,35 +139,36 @@ class Factorisation(ABC):
         diagonal = np.abs(np.diag(self.R))
         return float(diagonal.max() / diagonal.min()) if len(diagonal) else 1.0
 
-    def orthogonality_loss(self, count: int) -> float | None:  # noqa: ARG002 - for those that lose it
-        """Return ‖QᵀQ − I‖₂ of the first `count` columns; None where it is rounding by construction."""
+    def orthogonality_loss(self, count: int) -> float | None:  # noqa: ARG002 - for subclasses that lose it
+        """Return ‖QᵀQ − I‖₂ of the first `count` columns; None for factorisations that keep it at rounding."""
         return None
 
-    def _grow(self, Q: FloatArray, above: FloatArray, corner: FloatArray) -> None:
-        """Add the columns Q, the last columns of R and the last entries of b̃."""
+    def _append_factor(self, Q: FloatArray, above: FloatArray, corner: FloatArray) -> None:
+        """Append columns Q (rows, k) and the columns [above; corner] of R, and compute the entries of b̃."""
         k, new = self._Q.count, Q.shape[1]
         if k + new > len(self._rhs):
             self._reserve(max(k + new, 2 * k))
         self._R[:k, k : k + new] = above
         self._R[k : k + new, k : k + new] = corner
         self._Q.append(Q)
-        self._explain(Q, k)
+        self._project_rhs(Q, k)
         if len(self._b) > self._rows:
-            self._freedom += float((Q[: self._rows] ** 2).sum())
+            self._trace += float((Q[: self._rows] ** 2).sum())
 
     def _reserve(self, size: int) -> None:
+        """Make room for `size` columns in R and b̃."""
         R, rhs, k = self._R, self._rhs, self._Q.count
         self._R, self._rhs = np.zeros((size, size)), np.zeros(size)
         self._R[:k, :k], self._rhs[:k] = R[:k, :k], rhs[:k]
 
-    def _explain(self, Q: FloatArray, done: int) -> None:
-        """Take what the columns Q explain out of the residual, as the entries of b̃ from `done` on."""
+    def _project_rhs(self, Q: FloatArray, done: int) -> None:
+        """Compute the entries of b̃ from `done` on, Qᵀ times the residual, and subtract this part from the residual."""
         last = Q.T @ self._residual
         self._residual -= Q @ last
         self._rhs[done : done + Q.shape[1]] = last
 
     def _damp(self, C: FloatArray, damping: FloatArray, which: BoolArray) -> None:
-        """Write √(κ d) into the next free rows of the columns `which`."""
+        """Write √(κ d) into the next free rows below the columns of C (rows, k) that `which` (k,) selects."""
         columns = np.flatnonzero(which)
         start = self._rows + self.ridged
         C[start + np.arange(len(columns)), columns] = np.sqrt(damping[columns])

@@ -10,7 +10,7 @@ from ipcore._typing import FloatArray
 from ipcore.constraints import min_max, min_var
 from ipcore.constraints.family import RowParameters
 from ipcore.linear.dense import LeastSquaresFit
-from ipcore.linear.design_matrix import System
+from ipcore.linear.design_matrix import DesignMatrix
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check
 from ipcore.polynomial import graded
@@ -105,7 +105,7 @@ def test_the_incremental_solve_is_the_direct_one(family: Constraints, make: Call
     data, options = oriented(make), FitOptions(constraints=family)
     d = data.points.shape[1]
     rows = options.family.rows(data.points, data.normals, options.row_parameters)
-    M = System(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(d, 6))
+    M = DesignMatrix(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(d, 6))
     fit = LeastSquaresFit(data, options, 6)
     for degree in (2, 5, 6):
         step = fit.raise_to(graded.count(d, degree))
@@ -123,7 +123,7 @@ def test_rows_are_what_they_say(kind: Basis, make: Callable[[], Shape]) -> None:
     d, mu = data.points.shape[1], 0.3
     options = FitOptions(constraints=Constraints.THREE_LAYER_GRADIENT, gradient_weight=mu)
     rows = options.family.rows(data.points, data.normals, options.row_parameters)
-    M = System(rows, kind, data.bounds, 5).columns(0, graded.count(d, 5))
+    M = DesignMatrix(rows, kind, data.bounds, 5).columns(0, graded.count(d, 5))
     a: FloatArray = np.random.default_rng(1).normal(size=(M.shape[1],))
     f = data.polynomial(5, a, kind)
     expected = [f(data.points + o * data.normals) for o in (0.0, 0.05, -0.05)]
@@ -135,7 +135,7 @@ def test_gradient_rows_along_axes_are_those_along_normal_and_tangents() -> None:
     data = oriented(shapes.superellipse)
     options = FitOptions(constraints=Constraints.GRADIENT_ONE)
     rows = options.family.rows(data.points, data.normals, options.row_parameters)
-    M = System(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(2, 6))
+    M = DesignMatrix(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(2, 6))
     f, gx, gy = np.split(M, 3)
     n, w = data.normals, np.sqrt(options.gradient_weight)
     along, across = n[:, :1] * gx + n[:, 1:] * gy, -n[:, 1:] * gx + n[:, :1] * gy
@@ -179,7 +179,7 @@ def test_a_family_says_of_its_rows_what_is_true_of_them(family: Constraints, mak
 
     def system(distance: float, weight: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         rows = asked.rows(data.points, data.normals, RowParameters(distance, weight))
-        M = System(rows, Basis.MONOMIAL, data.bounds, 3).columns(0, graded.count(d, 3))
+        M = DesignMatrix(rows, Basis.MONOMIAL, data.bounds, 3).columns(0, graded.count(d, 3))
         return M, rows.b(1), rows.b(3)
 
     M, b1, b3 = system(0.05, 0.3)

@@ -28,18 +28,18 @@ def rows(x: FloatArray, n: FloatArray, degree: int) -> tuple[FloatArray, FloatAr
 @pytest.mark.parametrize(("d", "degree"), [(2, 7), (3, 5)])
 def test_the_triangle_of_moments_is_that_of_the_rows(d: int, degree: int) -> None:
     x, n = data(d)
-    t = LayerMoments.of(x, n, degree, OFFSETS).triangle()
+    t = LayerMoments.of(x, n, degree, OFFSETS).r_factor()
     M, b = rows(x, n, degree)
     size = np.linalg.norm(M, axis=0)
     np.testing.assert_allclose(t.R.T @ t.R / np.outer(size, size), M.T @ M / np.outer(size, size), atol=1e3 * EPS)
     np.testing.assert_allclose(t.R.T @ t.rhs / size, M.T @ b / size, atol=1e3 * EPS * np.linalg.norm(b))
     assert t.rows == len(b)
-    assert t.rest**2 + t.rhs @ t.rhs == pytest.approx(b @ b, rel=1e-12)
+    assert t.residual_norm**2 + t.rhs @ t.rhs == pytest.approx(b @ b, rel=1e-12)
 
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_moments_of_pieces_add_up(d: int) -> None:
-    x, n = data(d, layer_moments.CHUNK + 1000)
+    x, n = data(d, layer_moments.LAYER_CHUNK_POINTS + 1000)
     whole = LayerMoments.of(x, n, 6, OFFSETS)
     parts = [LayerMoments.of(x[s], n[s], 6, OFFSETS) for s in (slice(0, 10), slice(10, 4000), slice(4000, None))]
     total = LayerMoments.empty(d, 6, OFFSETS) + parts[0] + parts[1] + parts[2]
@@ -52,7 +52,7 @@ def test_moments_of_pieces_add_up(d: int) -> None:
 def test_the_gradients_are_those_of_the_residuals(d: int, degree: int) -> None:
     x, n = data(d)
     A = np.random.default_rng(0).normal(size=(graded.count(d, degree), 3))
-    g, rss = layer_moments.gradients(x, n, degree, OFFSETS, A)
+    g, rss = layer_moments.normal_residuals(x, n, degree, OFFSETS, A)
     M, b = rows(x, n, degree)
     residuals = b[:, None] - M @ A
     np.testing.assert_allclose(g, M.T @ residuals, rtol=1e-11, atol=1e-9)

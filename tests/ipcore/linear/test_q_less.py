@@ -9,8 +9,8 @@ import ipcore
 from ipcore import FitOptions, FitResult, Moments, StopReason, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
-from ipcore.linear.q_less import GOOD, QLessFit
-from ipcore.linear.row_source import ALONE, CORRECTED, DataRows
+from ipcore.linear.q_less import MAX_UNCORRECTED_CONDITION, QLessFit
+from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
@@ -43,7 +43,7 @@ def test_moments_give_the_fits_of_the_block_factorisation(d: int, degree: int, c
     )
     for a, b in zip(one.steps, other.steps, strict=True):
         # what squaring the condition leaves, down to where a refinement sets in
-        tolerance = max(1e-11, min(a.condition, GOOD) ** 2 * 1e-18)
+        tolerance = max(1e-11, min(a.condition, MAX_UNCORRECTED_CONDITION) ** 2 * 1e-18)
         assert (a.degree, a.columns) == (b.degree, b.columns)
         assert a.d_dist == pytest.approx(b.d_dist, rel=tolerance)
         assert a.d_smooth == pytest.approx(b.d_smooth, rel=tolerance)
@@ -57,35 +57,35 @@ def test_where_the_condition_is_too_bad_the_rows_themselves_are_factored() -> No
     options = FitOptions.of(factor="moments", criterion="none")
 
     class Watched(DataRows):
-        """Counts what is asked for."""
+        """Records which passes over the rows are made."""
 
-        asked: list[str] = []  # noqa: RUF012 - of this one test
+        passes: list[str] = []  # noqa: RUF012 - of this one test
 
-        def exact(self, degree: int) -> Any:  # noqa: ANN401 - as the one above
-            self.asked.append("exact")
-            return super().exact(degree)
+        def from_rows(self, degree: int) -> Any:  # noqa: ANN401 - as the one above
+            self.passes.append("rows")
+            return super().from_rows(degree)
 
-        def gradients(self, degree: int, A: FloatArray) -> Any:  # noqa: ANN401 - as the one above
-            self.asked.append("gradients")
-            return super().gradients(degree, A)
+        def normal_residuals(self, degree: int, A: FloatArray) -> Any:  # noqa: ANN401 - as the one above
+            self.passes.append("residuals")
+            return super().normal_residuals(degree, A)
 
-    way = QLessFit(data, options, 20, Watched(data, options))
+    fitter = QLessFit(data, options, 20, Watched(data, options))
     block = fitted(points, normals, "block", max_degree=20)
     refined, factored = [], []
     for step in block.steps:
-        Watched.asked.clear()
-        fit = way.raise_to(graded.count(2, step.degree))
+        Watched.passes.clear()
+        fit = fitter.raise_to(graded.count(2, step.degree))
         assert fit is not None
         f, expected = fit.polynomial(data.points), np.sqrt(step.rss / (3 * len(points)))
         assert np.sqrt(np.mean(f**2)) < 3.0 * expected
         assert fit.rss == pytest.approx(step.rss, rel=1e-6)
-        if "exact" in Watched.asked:
+        if "rows" in Watched.passes:
             factored.append(fit.condition)
-        elif "gradients" in Watched.asked:
+        elif "residuals" in Watched.passes:
             refined.append(fit.condition)
     assert len(refined) == 1  # with all degrees above it that the triangle has
     assert len(factored) == 1  # from then on it is there
-    assert GOOD < refined[0] < CORRECTED < factored[0]
+    assert MAX_UNCORRECTED_CONDITION < refined[0] < MAX_CONDITION_WITH_ROWS < factored[0]
 
 
 @pytest.mark.parametrize("factor", ["moments", "tsqr"])
@@ -148,6 +148,6 @@ def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
     points, normals = rough(2)
     result = Moments.of(points, normals, degree=30).fit(FitOptions.of(factor="moments", criterion="none"))
     assert result.stop_reason is StopReason.ILL_CONDITIONED
-    assert max(step.condition for step in result.steps) <= ALONE
+    assert max(step.condition for step in result.steps) <= MAX_CONDITION_OF_MOMENTS
     assert result.degree < 30
     assert any("Moments alone" in warning for warning in result.warnings)

@@ -123,7 +123,7 @@ def test_freedom_is_the_trace_of_the_hat_matrix() -> None:
     factor.append(M[:, :6], D[:6])
     factor.append(M[:, 6:], D[6:])
     hat = M @ np.linalg.solve(M.T @ M + np.diag(D), M.T)
-    assert factor.freedom == pytest.approx(float(np.trace(hat)), rel=1e-9)
+    assert factor.degrees_of_freedom == pytest.approx(float(np.trace(hat)), rel=1e-9)
 
 
 def test_selective_damping_touches_only_collinear_columns() -> None:

@@ -5,8 +5,7 @@ from ipcore import Constraints, FitOptions, fit_fixed, shapes
 from ipcore.points.oriented import PART, OrientedPoints
 from ipcore.points.validation import check
 from ipcore.polynomial.implicit import ImplicitPolynomial
-from ipcore.search.closeness import closeness, closenesses, moved, percentile
-from ipcore.search.criteria import distances_and_cosines
+from ipcore.search.closeness import closeness, closenesses, delivery_shift, distance_quantile, distances_and_cosines
 
 EPS = np.finfo(float).eps
 
@@ -32,15 +31,31 @@ def test_several_polynomials_are_seen_in_one_pass(count: int) -> None:
             distances, cosines = distances_and_cosines(*p.value_and_gradient(data.points), data.normals)
             assert at.d_dist == pytest.approx(np.average(distances, weights=w), rel=1e-12)
             assert at.d_smooth == pytest.approx(np.average(cosines, weights=w), rel=1e-12)
-            assert at.farthest == pytest.approx(distances.max(), rel=1e-12)
+            assert at.max_distance == pytest.approx(distances.max(), rel=1e-12)
             assert closeness(p, data, w).d_dist == pytest.approx(at.d_dist, rel=1e-12)
-            assert percentile(p, data, 0.95) == pytest.approx(np.quantile(distances, 0.95), rel=1e-12)
+            assert distance_quantile(p, data, 0.95) == pytest.approx(np.quantile(distances, 0.95), rel=1e-12)
 
 
 def test_what_a_change_of_basis_moves_is_seen_at_the_worst_point() -> None:
     data, polynomials = fits(500)
     p = polynomials[1]
     q = p.to_chebyshev()
-    assert moved(p, p, data) == 0.0
+    assert delivery_shift(p, p, data) == 0.0
     shift = np.abs(p(data.points) - q(data.points)) / np.linalg.norm(q.gradient(data.points), axis=1)
-    assert moved(p, q, data) == pytest.approx(shift.max(), rel=1e-6, abs=EPS)
+    assert delivery_shift(p, q, data) == pytest.approx(shift.max(), rel=1e-6, abs=EPS)
+
+
+def test_points_beside_a_circle_are_as_far_as_they_are() -> None:
+    points, normals = shapes.circle().sample(100)
+    circle = shapes.circle().polynomial
+    distances, cosines = distances_and_cosines(*circle.value_and_gradient(points + 1e-4 * normals), normals)
+    assert np.abs(distances - 1e-4).max() < 1e-7  # first order: the error is of second
+    assert np.abs(cosines - 1.0).max() < 1e-12
+    _, inward = distances_and_cosines(*circle.value_and_gradient(points), -normals)
+    assert np.abs(inward + 1.0).max() < 1e-12
+
+
+def test_a_point_without_gradient_is_far_and_not_undefined() -> None:
+    (distance,), (cosine,) = distances_and_cosines(np.array([1.0]), np.zeros((1, 2)), np.array([[1.0, 0.0]]))
+    assert distance > 1e300
+    assert cosine == 0.0

@@ -7,13 +7,13 @@ import ipcore
 from ipcore import Constraints, FitOptions, StopReason, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
-from ipcore.fitting import linear
+from ipcore.fitting import choose_linear_fitter
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
-from ipcore.search.degree_search import DegreeSearch, stops
-from ipcore.search.fitter import Fitted
-from ipcore.search.stopping import LOOK_AHEAD, judge
+from ipcore.search.degree_search import DegreeSearch, column_counts
+from ipcore.search.fitter import PrefixFit
+from ipcore.search.stopping import DEGREES_PAST_MINIMUM, stopping_criterion
 
 QUICK = FitOptions(measure_zero_set=False)
 
@@ -32,7 +32,7 @@ def test_on_noisy_points_a_criterion_finds_its_minimum_and_looks_a_little_furthe
     assert result.stop_reason is StopReason.CRITERION_MINIMUM
     scores = [getattr(step, criterion) for step in result.steps]
     best = int(np.argmin(scores))
-    assert result.degree == result.steps[best].degree == result.steps[-1].degree - LOOK_AHEAD
+    assert result.degree == result.steps[best].degree == result.steps[-1].degree - DEGREES_PAST_MINIMUM
     assert not any("criterion" in warning for warning in result.warnings)
     # it is close to the best that any degree could do, seen from the clean points
     errors = [
@@ -107,8 +107,8 @@ def test_ridge_and_monomials_can_be_had_in_the_chebyshev_basis() -> None:
 def test_a_search_needs_somewhere_to_look() -> None:
     options = FitOptions()
     data = OrientedPoints.of(check_points(*shapes.circle().sample(20)), 12)
-    search = DegreeSearch(data, options, linear(data, options, 1), judge(options))
-    with pytest.raises(ValueError, match="at least one stop"):
+    search = DegreeSearch(data, options, choose_linear_fitter(data, options, 1), stopping_criterion(options))
+    with pytest.raises(ValueError, match="at least one number of columns"):
         search.run([], None)
 
 
@@ -120,9 +120,9 @@ def test_a_way_to_fit_can_be_plugged_in() -> None:
         """Fits linearly, then makes something else of it, as a refinement does: the same zero set from f/2."""
 
         def __init__(self) -> None:
-            self._linear = linear(data, FitOptions(), 4)
+            self._linear = choose_linear_fitter(data, FitOptions(), 4)
 
-        def raise_to(self, alpha: int) -> Fitted:
+        def raise_to(self, alpha: int) -> PrefixFit:
             step = self._linear.raise_to(alpha)
             assert step is not None
             return replace(step, polynomial=replace(step.polynomial, coefficients=step.polynomial.coefficients / 2.0))
@@ -130,10 +130,12 @@ def test_a_way_to_fit_can_be_plugged_in() -> None:
         def orthogonality_loss(self, columns: int) -> float | None:
             return self._linear.orthogonality_loss(columns)
 
-    found = DegreeSearch(data, FitOptions(), Halved(), judge(FitOptions())).run([3, 6, 10, 15], None)
-    assert (found.step.degree, found.reason) == (2, StopReason.CRITERION_MET)
+    best, reason = DegreeSearch(data, FitOptions(), Halved(), stopping_criterion(FitOptions())).run(
+        [3, 6, 10, 15], None
+    )
+    assert (best.step.degree, reason) == (2, StopReason.CRITERION_MET)
     whole = ipcore.fit_fixed(points, normals, QUICK, degree=2, method="3l").polynomial
-    np.testing.assert_allclose(2.0 * found.fitted.polynomial(data.points), whole(points), atol=1e-13)
+    np.testing.assert_allclose(2.0 * best.fit.polynomial(data.points), whole(points), atol=1e-13)
 
 
 @pytest.mark.parametrize("family", [Constraints.THREE_LAYER, Constraints.TAUBIN])
@@ -148,8 +150,8 @@ def test_when_every_column_counts_as_collinear_nothing_is_fitted(family: Constra
 
 
 def test_stops_are_complete_forms_or_columns() -> None:
-    assert list(stops(3, 4, ipcore.Granularity.FORM)) == [4, 10, 20, 35]
-    assert list(stops(3, 2, ipcore.Granularity.MONOMIAL)) == list(range(2, 11))
+    assert list(column_counts(3, 4, ipcore.Granularity.FORM)) == [4, 10, 20, 35]
+    assert list(column_counts(3, 2, ipcore.Granularity.MONOMIAL)) == list(range(2, 11))
     assert [graded.degree_of(3, alpha) for alpha in (1, 4, 5, 10, 11)] == [0, 1, 2, 2, 3]
 
 

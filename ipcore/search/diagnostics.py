@@ -1,0 +1,61 @@
+"""Measures the polynomial as it will be delivered: in the basis of the answer, at the data, with its zero set."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from ipcore import _threads
+from ipcore.options.fit_options import FitOptions
+from ipcore.points.oriented import OrientedPoints
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.polynomial.leading_form import is_bounded
+from ipcore.search.closeness import closeness, distance_quantile
+from ipcore.search.degree_search import Candidate
+from ipcore.search.result import Diagnostics
+from ipcore.zero_set.stray import straying
+
+# Points below which other threads are not worth starting.
+ONE_THREAD_POINTS = 4096
+
+
+def diagnose(
+    best: Candidate,
+    delivered: ImplicitPolynomial,
+    data: OrientedPoints,
+    options: FitOptions,
+    orthogonality_loss: float | None,
+) -> Diagnostics:
+    """Return what is known of the polynomial `delivered`, the best fit in the basis of the answer.
+
+    Both are in the normalised frame.
+    """
+    fitted, weights = best.fit.polynomial, best.fit.weights
+    at_data = best.closeness if delivered is fitted else closeness(delivered, data, weights)
+    (stray, components), self_check, bounded = _in_parallel(
+        [partial(_stray, delivered, data, options), data.self_check, partial(is_bounded, fitted)], data.count
+    )
+    return Diagnostics(
+        d_dist=at_data.d_dist,
+        d_smooth=at_data.d_smooth,
+        distance_p95=distance_quantile(delivered, data, 0.95),
+        distance_max=at_data.max_distance,
+        stray=stray,
+        components=components,
+        normal_source=data.source,
+        normal_self_check=self_check,
+        bounded=bounded,
+        orthogonality_loss=orthogonality_loss,
+        quiet=bool(best.fit.quiet) if options.on_signs else None,
+        unsure=best.fit.unsure,
+        outliers=None if weights is None else float((weights == 0.0).mean()),
+    )
+
+
+def _stray(delivered: ImplicitPolynomial, data: OrientedPoints, options: FitOptions) -> tuple[float | None, int | None]:
+    """Return the stray share of the zero set and its number of components; None for both if not to be measured."""
+    return straying(delivered, data.thinned.points) if options.measure_zero_set else (None, None)
+
+
+def _in_parallel(measurements: list[Callable[[], Any]], points: int) -> list[Any]:
+    """Return the results of functions without arguments, called on several threads if there are many points."""
+    return _threads.mapped(lambda measure: measure(), measurements, 1 if points < ONE_THREAD_POINTS else None)
