@@ -19,7 +19,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check chaos bench bench-parts bench-paper bench-predictions bench-quality lock openapi clean help
+.PHONY: serve test check chaos bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -39,6 +39,12 @@ openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 	mkdir -p openapi
 	$(BIN)/ipfit openapi > openapi/openapi.json.new
 	mv openapi/openapi.json.new openapi/openapi.json
+
+docs: $(VENV)/.serve-stamp ## write the tables of docs/options.md and docs/settings.md anew
+	for name in options settings; do \
+		{ sed '/^<!-- table/q' docs/$$name.md; $(BIN)/ipfit $$name; sed -n '/^<!-- \/table/,$$p' docs/$$name.md; } \
+			> docs/$$name.md.new && mv docs/$$name.md.new docs/$$name.md || exit 1; \
+	done
 
 bench: $(VENV)/.bench-stamp bench-parts ## time the parts, then write bench/PEERS.md, this library beside others
 	$(BIN)/python bench/peers.py $(ARGS)

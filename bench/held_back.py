@@ -1,7 +1,7 @@
-"""Shapes that no constant was chosen on: outlines of letters, sums of Gaussians, and solids, all made here.
+"""Test shapes that no constant was tuned on: outlines of letters, level sets of Gaussians, and solids, all made here.
 
-The letters come with matplotlib (DejaVu Sans and Serif), the solids with trimesh; the rest are fixed seeds. The choice
-was made before anything was fitted to any of them, and no constant may be chosen on them: then they would need others.
+The letters come with matplotlib (DejaVu Sans and Serif), the solids with trimesh; the rest are fixed seeds. They
+were chosen before any fit was made of them. Do not tune a constant on them; other shapes would be needed then.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,8 @@ LETTERS = {"Sans": "CGHLSTWZ237*", "Serif": "JKUX5{"}
 NAMES = {"*": "asterisk", "{": "brace"}
 OUTLINE_POINTS, SURFACE_POINTS = 600, 4000
 BLOBS = (1, 2, 3)  # seeds
-LEVEL, WIDTH, STEP = 0.5, 0.4, 1.0  # half way along a step the sum is at least 2 exp(-STEP² / (8 WIDTH²)) = 0.9: whole
+# Halfway between two centres the sum is at least 2 exp(-STEP² / (8 WIDTH²)) = 0.9 > LEVEL, so the surface is connected.
+LEVEL, WIDTH, STEP = 0.5, 0.4, 1.0
 SOLIDS: dict[str, Callable[[], trimesh.Trimesh]] = {
     "capsule": lambda: trimesh.creation.capsule(height=2.0, radius=0.6, count=[96, 96]),
     "cone": lambda: trimesh.creation.cone(radius=1.0, height=2.0, sections=256),

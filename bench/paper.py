@@ -1,7 +1,7 @@
 """Make bench/PAPER.md, the paper's evidence on real data: `IPFIT_BENCH_DATA=folder python bench/paper.py [SECTION …]`.
 
-Everything in it is made by this run, the words that judge it excepted. With the names of sections only those are made,
-and printed; the page is written when all are.
+The run makes all tables and figures; the comments on them are in evidence/text.py. With names of sections, only those
+are made and printed; without, all are made and the page is written.
 """
 
 import os
@@ -17,7 +17,7 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 
 from matplotlib.figure import Figure
 
-from evidence import adaptive, cost, families, growth, instability, noise, words
+from evidence import adaptive, cost, families, growth, instability, noise, text
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "paper"
@@ -72,20 +72,20 @@ SECTIONS: dict[str, Callable[[], Iterator[str]]] = {
 }
 
 
-def main(asked: list[str]) -> None:
-    """Make the sections asked for, or all of them and the page."""
+def main(requested: list[str]) -> None:
+    """Make and print the named sections; without names make all of them and write the page."""
     made = {}
-    for name in asked or SECTIONS:
+    for name in requested or SECTIONS:
         started = perf_counter()
-        made[name] = "\n\n".join([words.BEFORE[name], *SECTIONS[name](), words.AFTER[name]])
+        made[name] = "\n\n".join([text.BEFORE[name], *SECTIONS[name](), text.AFTER[name]])
         print(f"{name}: {perf_counter() - started:.0f} s", file=sys.stderr)
-    if asked:
+    if requested:
         print("\n\n".join(made.values()))
         return
     engine = (
         f"Made by ipfit {version('ipfit')}, Python {platform.python_version()}, numpy {version('numpy')}, one thread."
     )
-    (HERE / "PAPER.md").write_text("\n\n".join([words.TITLE, engine, *made.values()]) + "\n", encoding="utf-8")
+    (HERE / "PAPER.md").write_text("\n\n".join([text.TITLE, engine, *made.values()]) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contest import agreement, clouds, degrees, meshes, outlines, room, scale, threads, words, zero_set_grids
+from contest import agreement, clouds, degrees, meshes, outlines, resources, scale, text, threads, zero_set_grids
 from contest.target import Target
 from evidence.table import table
 
@@ -26,7 +26,7 @@ TOTAL = 780.0  # seconds: a section adds rounds while its share of what is left 
 
 
 class Section(NamedTuple):
-    """A contest: how to hold it, its share of the time, how to show it, and what was asked of it."""
+    """A contest: the function that runs it, its share of the time, its tables as text, and its targets."""
 
     contest: Callable[[Path, float], Any]
     share: float
@@ -46,36 +46,36 @@ SECTIONS = {
 
 
 def machine() -> str:
-    """Return what this ran on."""
+    """Return the machine and the versions of the libraries as text."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
     model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
     blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
     packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-learn", "scikit-image"))
     return (
-        f"{platform.machine()} {model}, {room.CORES} cores; Python {platform.python_version()}, "
+        f"{platform.machine()} {model}, {resources.CORES} cores; Python {platform.python_version()}, "
         f"ipfit {version('ipfit')}, {packages}, {blas['name']} {blas['version']}."
     )
 
 
-def main(asked: list[str]) -> None:
-    """Make the sections asked for, or all of them and the page."""
-    names, made, aims = asked or list(SECTIONS), {}, []
+def main(requested: list[str]) -> None:
+    """Make and print the named sections; without names make all of them and write the page."""
+    names, made, aims = requested or list(SECTIONS), {}, []
     end = perf_counter() + TOTAL * sum(SECTIONS[name].share for name in names) / sum(s.share for s in SECTIONS.values())
     for at, name in enumerate(names):
         section, started = SECTIONS[name], perf_counter()
         seconds = (end - started) * section.share / sum(SECTIONS[later].share for later in names[at:])
         with TemporaryDirectory(prefix="ipfit-peers-") as folder:
             found = section.contest(Path(folder), seconds)
-        made[name] = f"{words.BEFORE[name]}\n\n{section.shown(found)}"
+        made[name] = f"{text.BEFORE[name]}\n\n{section.shown(found)}"
         aims += [target.cells() for target in section.targets(found)]
         print(f"{name}: {perf_counter() - started:.0f} s", file=sys.stderr)
-    goals = f"{words.TARGETS}\n\n{table(['target', 'measured', ''], aims)}"
-    if asked:
+    goals = f"{text.TARGETS}\n\n{table(['target', 'measured', ''], aims)}"
+    if requested:
         print("\n\n".join([*made.values(), goals]))
         return
-    source = words.FOLDER if clouds.from_folder() else words.MADE
-    page = "\n\n".join([words.TITLE, f"{words.RUN} {source}", machine(), goals, *made.values()])
+    source = text.FOLDER if clouds.from_folder() else text.MADE
+    page = "\n\n".join([text.TITLE, f"{text.RUN} {source}", machine(), goals, *made.values()])
     (HERE / "PEERS.md").write_text(f"{page}\n", encoding="utf-8")
 
 

@@ -1,4 +1,4 @@
-"""Make bench/QUALITY.md, how quiet fits are: `IPFIT_BENCH_DATA=folder python bench/quality.py [--held-back | NAME …]`.
+"""Write bench/QUALITY.md, how good fits are: `IPFIT_BENCH_DATA=folder python bench/quality.py [--held-back | NAME …]`.
 
 With names only those sets are fitted, and their rows printed; the page is written when all are. With --held-back only
 the shapes of bench/held_back.py are, which need no folder, and their section and the words below it are written anew.
@@ -27,27 +27,27 @@ from evidence import plot
 from evidence.table import table
 
 HERE = Path(__file__).parent
-MOST = 8000  # points; larger sets are sampled
+MAX_POINTS = 8000  # larger sets are sampled
 LINEAR_CAP = {2: 18, 3: 12}
-WAYS: dict[str, dict[str, Any]] = {
+FITS: dict[str, dict[str, Any]] = {
     "3L": {"geometric": False},
     "3L, ridge": {"geometric": False, "ridge": "full", "ridge_strength": 1e-3},
     "3L, selective ridge": {"geometric": False, "ridge": "selective", "collinear_tol": 1e-3, "ridge_strength": 1e-3},
     "default": {},
 }
-HELD_BACK_WAYS = ("3L", "default")
+HELD_BACK_FITS = ("3L", "default")
 PICTURED = (
     *("mp7_heart", "mp7_bone", "mp7_apple", "mp7_bird", "nsfish_mid", "horse", "mp7_fish", "coast_madagascar"),
     *("bunny_npm", "spot", "duck_pybullet", "hand_od"),
 )
 
 HEADS = ("set", "fit", "degree", "D_dist", "D_smooth", "stray", "components", "seconds", "")
-HELD_BACK, WORDS = "## Held back", HERE / "quality" / "words.md"
+HELD_BACK, CONCLUSIONS = "## Held back", HERE / "quality" / "conclusions.md"
 
 
 @dataclass(frozen=True, eq=False)
 class Scored:
-    """A fit, the processor time it took, and what its zero set looks like."""
+    """A fit, its processor time in seconds, and the stray share and number of components of its zero set."""
 
     result: ipcore.FitResult
     seconds: float
@@ -56,7 +56,7 @@ class Scored:
 
     @property
     def good(self) -> bool:
-        """Return whether it is close, smooth, quiet and whole."""
+        """Return whether the fit is close and smooth, and its zero set without stray parts and in one piece."""
         found = self.result.diagnostics
         return found.d_dist < 0.01 and found.d_smooth > 0.95 and self.stray < 0.001 and self.components == 1
 
@@ -75,15 +75,15 @@ class Scored:
 
 
 def usable(given: sets.PointSet) -> sets.PointSet:
-    """Return the set, without its normals if some have no length."""
+    """Return the set, without its normals if one of them is 0."""
     if given.normals is not None and not given.normals.any(axis=1).all():
         return replace(given, normals=None)
     return given
 
 
 def fitted(given: sets.PointSet, way: str) -> Scored:
-    """Fit a set one way."""
-    options = dict(WAYS[way])
+    """Fit a set as `FITS[way]` says, and measure the zero set."""
+    options = dict(FITS[way])
     if way != "default":
         options["max_degree"] = LINEAR_CAP[given.dimension]
     started = process_time()
@@ -94,11 +94,11 @@ def fitted(given: sets.PointSet, way: str) -> Scored:
     return Scored(result, seconds, 1.0 if whole.stray is None else whole.stray, whole.components)
 
 
-Scores = dict[str, dict[str, Scored]]  # by set and way
+Scores = dict[str, dict[str, Scored]]  # by name of the set, then of the fit
 
 
 def measured(given: Sequence[sets.PointSet], ways: Sequence[str]) -> Scores:
-    """Fit sets in these ways, and print their rows."""
+    """Fit all sets in these ways, print their rows, and return the scores."""
     scored: Scores = {}
     for one in given:
         scored[one.name] = {way: fitted(one, way) for way in ways}
@@ -108,14 +108,14 @@ def measured(given: Sequence[sets.PointSet], ways: Sequence[str]) -> Scores:
 
 
 def rows(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[list[str]]:
-    """Return a table row per set and way."""
+    """Yield a table row for each set and fit."""
     for one in given:
         for way, fit in scored[one.name].items():
             yield [one.name if way == "3L" else "", way, *fit.cells()]
 
 
 def summary(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[str]:
-    """Return one line of counts and medians per way, and one of degrees."""
+    """Yield one line of counts and medians for each kind of fit, and one about degrees."""
     for_closed = [scored[one.name] for one in given if one.closed]
     for way in for_closed[0]:
         good = sum(one[way].good for one in for_closed)
@@ -136,7 +136,7 @@ def summary(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[str]:
 
 
 def picture(name: str, shown: Sequence[sets.PointSet], scored: Scores) -> None:
-    """Draw sets in six rows, each as plain 3L and the default fit it."""
+    """Draw sets in six rows, each set fitted by plain 3L and by default."""
     figure, axes = plot.new(6, len(shown) // 3, 1.9)
     panels = ((given, way) for given in shown for way in ("3L", "default"))
     for axis, (given, way) in zip(axes, panels, strict=True):
@@ -154,17 +154,17 @@ def section(title: str, given: Sequence[sets.PointSet], scored: Scores) -> str:
 
 def on_real_data() -> str:
     """Fit all sets of the index, and return the page down to their tables."""
-    given = [usable(sets.load(str(entry["name"])).sample(MOST)) for entry in sets.index()]
-    scored = measured(given, tuple(WAYS))
+    given = [usable(sets.load(str(entry["name"])).sample(MAX_POINTS)) for entry in sets.index()]
+    scored = measured(given, tuple(FITS))
     named = {one.name: one for one in given}
     picture("before-and-after.png", [named[name] for name in PICTURED], scored)
     made = (
         f"Made by `python bench/quality.py` with Python {platform.python_version()} on {platform.machine()}, with one "
-        f"thread; sets of more than {MOST} points are sampled. Seconds are the processor's. "
+        f"thread; sets of more than {MAX_POINTS} points are sampled. Seconds are the processor's. "
         f"The linear fits end at degree {LINEAR_CAP[2]} (2D) and {LINEAR_CAP[3]} (3D). Sets without normals get "
         "estimated ones."
     )
-    parts = ["# How quiet the fits are", (__doc__ or "").split("\n\n", 2)[2].strip(), made]
+    parts = ["# How good the fits are", (__doc__ or "").split("\n\n", 2)[2].strip(), made]
     parts.append("![Before and after](quality/before-and-after.png)")
     parts.append(section("## Even places of the index", given[::2], scored))
     parts.append(section("## Odd places of the index", given[1::2], scored))
@@ -174,10 +174,10 @@ def on_real_data() -> str:
 def on_held_back() -> str:
     """Fit the shapes made here, and return the page from their section on."""
     given = held_back.shapes()
-    scored = measured(given, HELD_BACK_WAYS)
+    scored = measured(given, HELD_BACK_FITS)
     picture("held-back.png", [one for one in given if one.dimension == 2], scored)
-    words = WORDS.read_text(encoding="utf-8").strip()
-    return "\n\n".join([section(HELD_BACK, given, scored), "![Letters held back](quality/held-back.png)", words])
+    conclusions = CONCLUSIONS.read_text(encoding="utf-8").strip()
+    return "\n\n".join([section(HELD_BACK, given, scored), "![Letters held back](quality/held-back.png)", conclusions])
 
 
 def main() -> None:
@@ -189,7 +189,7 @@ def main() -> None:
         case ["--held-back"]:
             start = target.read_text(encoding="utf-8").partition(f"\n{HELD_BACK}\n")[0].strip()
         case names:
-            measured([usable(sets.load(name).sample(MOST)) for name in names], tuple(WAYS))
+            measured([usable(sets.load(name).sample(MAX_POINTS)) for name in names], tuple(FITS))
             return
     target.write_text(f"{start}\n\n{on_held_back()}\n", encoding="utf-8")
 

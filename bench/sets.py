@@ -50,7 +50,7 @@ class PointSet:
 
 
 def folder() -> Path:
-    """Return the folder of the sets, or end with a word on how to name it."""
+    """Return the folder of the sets, or end the program with a message that says how to name it."""
     given = os.environ.get("IPFIT_BENCH_DATA")
     if not given or not (Path(given) / "index.json").is_file():
         sys.exit("IPFIT_BENCH_DATA must name a folder with index.json, 2d/ and 3d/; see bench/sets.py")

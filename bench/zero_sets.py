@@ -1,8 +1,8 @@
 """Time zero sets and estimated normals: `python bench/zero_sets.py [FOLDER]`.
 
-With a folder that holds a checkout of another version, its times stand beside this one's. All take turns, each in a
-process of its own with BLAS in one thread, so that whatever else the machine does meets all of them. Prints a table in
-Markdown, with medians of the rounds; CPU seconds are there because they mind other work on the machine less.
+With a folder that holds a checkout of another version, its times stand beside this one's. Versions and
+thread counts run in turn, each in a process of its own with BLAS on one thread, so that other work on the machine slows
+all of them alike. The table has medians of the rounds. CPU seconds depend less on that other work.
 """
 
 import os
@@ -33,7 +33,7 @@ def bumpy(dimension: int) -> ipcore.ImplicitPolynomial:
 
 
 def zero_set(dimension: int, resolution: int) -> Callable[[], str]:
-    """Return the extraction of a zero set, measured against data; it says what was found and how far off it is."""
+    """Return a function that extracts a zero set and measures it against data; it returns the findings as text."""
     p = bumpy(dimension)
     data = ipcore.zero_set(p, resolution={2: 400, 3: 60}[dimension], cap=False).vertices
 
@@ -46,14 +46,14 @@ def zero_set(dimension: int, resolution: int) -> Callable[[], str]:
 
 
 def normals(count: int) -> Callable[[], str]:
-    """Return the estimation of the normals of random points on a torus; it says how many point outward."""
+    """Return a function that estimates normals of random points on a torus; it returns the share pointing outward."""
     u, v = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, (2, count))
     true = np.column_stack([np.cos(v) * np.cos(u), np.cos(v) * np.sin(u), np.sin(v)])
     points = np.column_stack([np.cos(u), np.sin(u), 0.0 * u]) + 0.4 * true
     return lambda: f"{np.mean((ipcore.estimate_normals(points) * true).sum(axis=1) > 0.0):.2%} outward"
 
 
-WORKS: dict[str, Callable[[], Callable[[], str]]] = {
+MEASUREMENTS: dict[str, Callable[[], Callable[[], str]]] = {
     "surface, 96³": lambda: zero_set(3, 96),
     "surface, 256³": lambda: zero_set(3, 256),
     "surface, 512³": lambda: zero_set(3, 512),
@@ -66,33 +66,33 @@ WORKS: dict[str, Callable[[], Callable[[], str]]] = {
 
 
 def measure(name: str) -> None:
-    """Print what one child found: wall seconds, CPU seconds, and words."""
-    work = WORKS[name]()
+    """Run one measurement in this process and print wall seconds, CPU seconds and the findings."""
+    work = MEASUREMENTS[name]()
     wall, cpu = perf_counter(), process_time()
-    words = work()
-    print(perf_counter() - wall, process_time() - cpu, words)
+    findings = work()
+    print(perf_counter() - wall, process_time() - cpu, findings)
 
 
 def child(folder: Path, threads: int, name: str) -> tuple[float, float, str]:
-    """Run one measurement with the version in a folder."""
+    """Run one measurement in a child process with the version in a folder; return seconds, CPU seconds and findings."""
     limits = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": str(threads), "PYTHONPATH": str(folder)}
     command = [sys.executable, __file__, "--measure", name]
     answer = subprocess.run(command, env=os.environ | limits, check=True, stdout=subprocess.PIPE, text=True)  # noqa: S603 - ourselves
-    wall, cpu, words = answer.stdout.strip().split(" ", 2)
-    return float(wall), float(cpu), words
+    wall, cpu, findings = answer.stdout.strip().split(" ", 2)
+    return float(wall), float(cpu), findings
 
 
 def main(before: Path | None) -> None:
     """Print the table."""
     cores = len(os.sched_getaffinity(0))
-    ways = {"one thread": (HERE, 1), f"{cores} threads": (HERE, cores)}
+    versions = {"one thread": (HERE, 1), f"{cores} threads": (HERE, cores)}
     if before is not None:
-        ways = {"before": (before, cores), **ways}
-    print("| | " + " | ".join(f"{name}: s (CPU s)" for name in ways) + " | ratio | found |")
-    print("| --- |" + " --- |" * (len(ways) + 2))
-    for name in WORKS:
-        taken = [[child(folder, threads, name) for folder, threads in ways.values()] for _ in range(ROUNDS)]
-        times = [(median(r[k][0] for r in taken), median(r[k][1] for r in taken)) for k in range(len(ways))]
+        versions = {"before": (before, cores), **versions}
+    print("| | " + " | ".join(f"{name}: s (CPU s)" for name in versions) + " | ratio | found |")
+    print("| --- |" + " --- |" * (len(versions) + 2))
+    for name in MEASUREMENTS:
+        taken = [[child(folder, threads, name) for folder, threads in versions.values()] for _ in range(ROUNDS)]
+        times = [(median(r[k][0] for r in taken), median(r[k][1] for r in taken)) for k in range(len(versions))]
         cells = [f"{wall:.3f} ({cpu:.3f})" for wall, cpu in times]
         ratio = f"{times[0][0] / times[-1][0]:.1f} ({times[0][1] / times[-1][1]:.1f})"
         print("| " + " | ".join([name, *cells, ratio, taken[0][-1][2]]) + " |", flush=True)

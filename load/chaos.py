@@ -1,11 +1,11 @@
-"""Submits fits while every kind of process is killed at random, then checks every promise that was made.
+"""Send fits while processes of every kind are killed at random, then check every promise of the service.
 
 From the repository's root, with the environment of `make check`:
 
     python -m load.chaos embedded --fits 1000 --kills 200
     python -m load.chaos cluster --fits 1000 --kills 200
 
-The summary is printed as Markdown; load/CHAOS.md keeps those of the last runs.
+The summary is printed as Markdown; load/CHAOS.md has the summaries of the last runs.
 """
 
 import argparse
@@ -25,19 +25,19 @@ CALLERS = 8
 
 
 def main() -> int:
-    """Run and judge; return 0 if every promise was kept."""
+    """Run, check and print the summary; return 0 if every promise was kept, else 1."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("engine", choices=("embedded", "cluster"))
     parser.add_argument("--fits", type=int, default=1000, help="accepted fits, at least")
     parser.add_argument("--kills", type=int, default=200, help="SIGKILLs, at least")
-    parser.add_argument("--pause", type=float, default=1.2, help="mean seconds between two strikes")
+    parser.add_argument("--pause", type=float, default=1.2, help="mean seconds between two faults")
     parser.add_argument("--seed", type=int, default=1)
-    told = parser.parse_args()
+    arguments = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="ipfit-chaos-"))
     folder.chmod(0o755)
-    fleet, log = Fleet(folder, cluster=told.engine == "cluster"), Log()
+    fleet, log = Fleet(folder, cluster=arguments.engine == "cluster"), Log()
     try:
-        kept = _run(fleet, log, told)
+        kept = _run(fleet, log, arguments)
     finally:
         fleet.end()
     if kept:
@@ -47,41 +47,42 @@ def main() -> int:
     return 0 if kept else 1
 
 
-def _run(fleet: Fleet, log: Log, told: argparse.Namespace) -> bool:
+def _run(fleet: Fleet, log: Log, arguments: argparse.Namespace) -> bool:
     fleet.start()
     for port in fleet.ports:
-        one = Caller(CALLERS, [port], Log(), told.seed)
+        one = Caller(CALLERS, [port], Log(), arguments.seed)
         while (answer := one.ask("GET", "/readyz")) is None or not answer.is_success:
             time.sleep(0.2)
-    asker = Caller(CALLERS, fleet.ports, Log(), told.seed)
-    reference = verdict.in_peace(asker.ask, [(content, query) for content, query, _ in FITS])
+    asker = Caller(CALLERS, fleet.ports, Log(), arguments.seed)
+    reference = verdict.undisturbed(asker.ask, [(content, query) for content, query, _ in FITS])
     verdict.install_audit(fleet)
     began, enough = time.monotonic(), Event()
     callers = [
-        Thread(target=Caller(i, fleet.ports, log, told.seed).work, args=(enough,), name=f"caller {i}")
+        Thread(target=Caller(i, fleet.ports, log, arguments.seed).work, args=(enough,), name=f"caller {i}")
         for i in range(CALLERS)
     ]
     for caller in callers:
         caller.start()
-    chance = random.Random(told.seed)  # noqa: S311 - no secret
-    while len(log.promises) < told.fits or fleet.kills.total() < told.kills:
-        if log.silent() > verdict.QUIET:
-            log.unexplained.append(f"nothing was accepted any more for {verdict.QUIET:g} s")
+    generator = random.Random(arguments.seed)  # noqa: S311 - no secret
+    while len(log.promises) < arguments.fits or fleet.kills.total() < arguments.kills:
+        if log.silent() > verdict.END_WITHIN:
+            log.unexplained.append(f"nothing was accepted any more for {verdict.END_WITHIN:g} s")
             break
-        time.sleep(chance.expovariate(1.0 / told.pause))
-        if fleet.kills.total() * told.fits <= told.kills * len(log.promises):  # from the first fit to the last
-            fleet.strike(chance)
+        time.sleep(generator.expovariate(1.0 / arguments.pause))
+        # in proportion to the accepted fits, so that the kills are spread over all of them
+        if fleet.kills.total() * arguments.fits <= arguments.kills * len(log.promises):
+            fleet.cause_fault(generator)
     enough.set()
     for caller in callers:
         caller.join()
-    struck = time.monotonic() - began
+    with_faults = time.monotonic() - began
     result = verdict.Verdict(fleet, log, reference)
     result.reach()
-    return _tell(fleet, log, result, told, struck, time.monotonic() - began)
+    return _print_summary(fleet, log, result, arguments, with_faults, time.monotonic() - began)
 
 
-def _tell(  # noqa: PLR0913, PLR0917 - what there is to tell
-    fleet: Fleet, log: Log, result: verdict.Verdict, told: argparse.Namespace, struck: float, took: float
+def _print_summary(  # noqa: PLR0913, PLR0917 - the parts of a summary
+    fleet: Fleet, log: Log, result: verdict.Verdict, arguments: argparse.Namespace, with_faults: float, took: float
 ) -> bool:
     """Print the summary; return whether every promise was kept."""
     faults = {
@@ -91,13 +92,13 @@ def _tell(  # noqa: PLR0913, PLR0917 - what there is to tell
         "wrong": result.wrong,
         "unexplained errors": log.unexplained,
     }
-    print(f"## {told.engine}, seed {told.seed}\n")
+    print(f"## {arguments.engine}, seed {arguments.seed}\n")
     print(f"- accepted fits: {len(log.promises)}; how they ended: {_listed(result.ends)}")
     print(f"- parts of fits: {_listed(result.parts)}")
     print(f"- SIGKILLs: {fleet.kills.total()}; {_listed(fleet.kills)}; besides: {_listed(fleet.other) or 'nothing'}")
-    print(f"- programs started: {sum(one.starts for one in fleet.servers + fleet.hands)}")
+    print(f"- programs started: {sum(one.starts for one in fleet.servers + fleet.worker_programs)}")
     print(f"- answers: {_listed(log.answers)}")
-    print(f"- {struck:.0f} s under fire, {took - struck:.0f} s until the last fit had ended and was looked at")
+    print(f"- {with_faults:.0f} s of faults, {took - with_faults:.0f} s until the last fit had ended and was looked at")
     print(f"- **{', '.join(f'{len(found)} {name}' for name, found in faults.items())}**\n")
     for name, found in faults.items():
         for one in found[:10]:

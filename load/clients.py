@@ -1,4 +1,4 @@
-"""Callers that do what a careful caller should, and write down what they were promised."""
+"""Clients that repeat requests as the contract asks for, and record what the servers promised."""
 
 import random
 import time
@@ -12,8 +12,8 @@ import httpx
 
 from tests.service.bodies import ellipse, huge_torus, npy, sphere, torus
 
-# What is sent: content, query, and how often. The first two take some hundredths of a second, the others two or three;
-# the last is split into five parts.
+# Each fit that is sent: body, query, and its share in percent. The first two take some hundredths of a second, the
+# others two or three seconds; the last is split into five parts.
 FITS = (
     (npy(ellipse()), "", 50),
     (npy(sphere()), "", 25),
@@ -24,28 +24,28 @@ FITS = (
 FINAL = ("successful", "failed", "dismissed")
 # Share of fits that are dismissed again.
 DISMISSED = 0.05
-# Why a server may say 503. `worker-crashed`: two processes were killed while they read the same body.
+# The reasons with which a server may answer 503. `worker-crashed`: two processes were killed while they read one body.
 PASSING = {"not-ready", "queue-full", "shutting-down", "worker-crashed"}
 # Seconds that a request may take: more than the longest wait that is asked for.
-PATIENCE = 40.0
+REQUEST_TIMEOUT = 40.0
 
 
 @dataclass
 class Promise:
-    """What the server said of one fit.
+    """An accepted fit, as a server answered.
 
     Attributes
     ----------
     kind
-        Which of FITS it is.
+        Its index in FITS.
     key
         Its idempotency key.
     fit
-        The id it got when it was accepted.
+        Its id.
     deleted
-        Whether DELETE was tried.
+        Whether a DELETE was sent.
     seen
-        How it had ended when it was first seen to have.
+        The first answer in which it had ended.
 
     """
 
@@ -58,7 +58,7 @@ class Promise:
 
 @dataclass
 class Log:
-    """What all clients were told."""
+    """What all clients record, shared between their threads."""
 
     promises: list[Promise] = field(default_factory=list)
     answers: Counter[str] = field(default_factory=Counter)
@@ -67,7 +67,7 @@ class Log:
     last: float = field(default_factory=time.monotonic)
 
     def promised(self, promise: Promise) -> None:
-        """Write down a promise."""
+        """Record an accepted fit."""
         with self.lock:
             self.promises.append(promise)
             self.last = time.monotonic()
@@ -83,29 +83,29 @@ class Log:
 
 
 class Caller:
-    """One client: sends fits, some of them to wait for, and dismisses a few."""
+    """A client: sends fits, waits for some of them, and dismisses a few."""
 
     def __init__(self, number: int, ports: list[int], log: Log, seed: int) -> None:
         self._ports, self._log = ports, log
-        self._chance = random.Random(seed * 1000 + number)  # noqa: S311 - no secret
-        self._client = httpx.Client(timeout=PATIENCE)
+        self._random = random.Random(seed * 1000 + number)  # noqa: S311 - no secret
+        self._client = httpx.Client(timeout=REQUEST_TIMEOUT)
 
     def work(self, enough: Event) -> None:
-        """Send fits until there are enough."""
+        """Send fits until `enough` is set."""
         while not enough.is_set():
-            kind = self._chance.choices(range(len(FITS)), [share for _, _, share in FITS])[0]
+            kind = self._random.choices(range(len(FITS)), [share for _, _, share in FITS])[0]
             promise = self._send(kind, enough)
-            if promise is not None and self._chance.random() < DISMISSED:
+            if promise is not None and self._random.random() < DISMISSED:
                 self._dismiss(promise)
 
     def _send(self, kind: int, enough: Event) -> Promise | None:
-        """Send one fit, again with the same key until it is accepted."""
+        """Send one fit, repeatedly with the same key, until it is accepted."""
         content, query, _ = FITS[kind]
         key = uuid4().hex
-        prefer = self._chance.choice(("respond-async", "respond-async", "wait=2", "wait=20"))
+        prefer = self._random.choice(("respond-async", "respond-async", "wait=2", "wait=20"))
         headers = {"Content-Type": "application/x-npy", "Prefer": prefer, "Idempotency-Key": key}
         sent = False
-        while sent or not enough.is_set():  # what was sent once may have been stored: it is sent until that is known
+        while sent or not enough.is_set():  # a fit that was sent may be stored: repeat until the answer says so
             sent = True
             answer = self.ask("POST", f"/v1/fits?{query}", content=content, headers=headers)
             if answer is not None and answer.status_code in (200, 202):
@@ -114,12 +114,12 @@ class Caller:
                 self._log.promised(promise)
                 return promise
             full = answer is not None and "queue-full" in answer.text
-            sent = not full  # a fit that is stored is found by its key before the queue is looked at
-            time.sleep(self._chance.uniform(0.5, 1.5) if full else self._chance.uniform(0.05, 0.3))
+            sent = not full  # the server looks for the key first, so a full queue means that the fit is not stored
+            time.sleep(self._random.uniform(0.5, 1.5) if full else self._random.uniform(0.05, 0.3))
         return None
 
     def _dismiss(self, promise: Promise) -> None:
-        time.sleep(self._chance.uniform(0.0, 1.0))
+        time.sleep(self._random.uniform(0.0, 1.0))
         promise.deleted = True
         for _ in range(100):
             answer = self.ask("DELETE", f"/v1/fits/{promise.fit}")
@@ -128,9 +128,9 @@ class Caller:
             time.sleep(0.2)
 
     def ask(self, method: str, path: str, **more: Any) -> httpx.Response | None:  # noqa: ANN401 - httpx's
-        """Ask any server; None if it is not there. Whatever else cannot be explained is written down."""
+        """Send a request to a random server and return the answer, if there is one; record unexplained answers."""
         try:
-            answer = self._client.request(method, f"http://127.0.0.1:{self._chance.choice(self._ports)}{path}", **more)
+            answer = self._client.request(method, f"http://127.0.0.1:{self._random.choice(self._ports)}{path}", **more)
         except httpx.TransportError as error:
             self._log.note(f"{method}: no answer ({type(error).__name__})")
             if isinstance(error, httpx.TimeoutException):
@@ -144,9 +144,9 @@ class Caller:
 
 
 def _explained(method: str, answer: httpx.Response, problem: str) -> bool:
-    """Return whether this is an answer that the contract allows while processes die."""
+    """Return whether the contract allows this answer while processes are killed."""
     if answer.status_code == httpx.codes.SERVICE_UNAVAILABLE:
         return problem in PASSING and "retry-after" in answer.headers
     if answer.status_code == httpx.codes.NOT_FOUND:
-        return method in {"DELETE", "GET"}  # those it must not be said of are found as lost
+        return method in {"DELETE", "GET"}  # fits that must not be missing are counted as lost later
     return answer.is_success

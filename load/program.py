@@ -8,8 +8,8 @@ from pathlib import Path
 from tests.service.running import children
 
 COMMAND = Path(sys.executable).parent / "ipfit"
-# Short leases, so that what a dead process held comes back within seconds; a queue that fills; parts of a fit that take
-# some tenths of a second.
+# Short leases, so that fits of a dead process run again within seconds; a queue that is small enough to become full;
+# parts of a fit that take some tenths of a second.
 SETTINGS: dict[str, object] = {
     "WORKERS": 1,
     "SHORT_WORKERS": 1,
@@ -22,7 +22,7 @@ SETTINGS: dict[str, object] = {
 
 
 class Program:
-    """One `ipfit` command, run again whenever it has ended."""
+    """One `ipfit` command, which can be started again when it has ended."""
 
     def __init__(self, command: str, log: Path, settings: dict[str, object]) -> None:
         self._command, self._log = command, log
@@ -32,7 +32,7 @@ class Program:
         self.starts = 0
 
     def run(self) -> None:
-        """Start, unless it runs."""
+        """Start it, unless it is running."""
         if self.process is None or self.process.poll() is not None:
             self.starts += 1
             with self._log.open("ab") as log:
@@ -42,17 +42,17 @@ class Program:
 
     @property
     def pid(self) -> int | None:
-        """Return its process, if it runs."""
+        """Return the id of its process, if it is running."""
         return self.process.pid if self.process is not None and self.process.poll() is None else None
 
     def fork_servers(self) -> list[int]:
-        """Return the processes that its workers come from."""
+        """Return the ids of the fork servers, which are the parents of its workers."""
         return [] if self.pid is None else [one for one in children(self.pid) if children(one)]
 
     def trackers(self) -> list[int]:
-        """Return the processes that Python starts beside the fork servers."""
+        """Return the ids of Python's resource trackers."""
         return [] if self.pid is None else [one for one in children(self.pid) if not children(one)]
 
     def workers(self) -> list[int]:
-        """Return the processes that fit."""
+        """Return the ids of the worker processes."""
         return [] if self.pid is None else [worker for one in children(self.pid) for worker in children(one)]

@@ -1,4 +1,4 @@
-"""The error against a backward-stable solve, by degree: D_dist of ipfit's other ways against the block path's."""
+"""The error against a backward-stable solve, by degree: D_dist of other factorisations against that of `block`."""
 
 from functools import partial
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Any
 import ipcore
 from contest import clouds
 from contest.clouds import Cloud
-from contest.process import Asked, alone
+from contest.process import ContenderRef, run_alone
 from contest.rounds import Medians, Scores
 from contest.target import Target, at_most
 from contest.trial import Contender, Trial
@@ -16,14 +16,14 @@ from evidence.table import table
 COUNT = 5000  # points: block holds M and Q, 0.25 GB at degree 16
 CAP = {2: 24, 3: 16}
 STABLE, OTHERS = "block", ("moments", "tsqr", "auto")
-ALLOWED = 1e-6
-SHORT_OF = 12  # the degree to which the target goes
+TOLERANCE = 1e-6
+TARGET_DEGREE = 12  # the target is about degrees up to this one
 
-Steps = dict[str, list[tuple[int, float, float]]]  # by way: degree, D_dist, condition
+Steps = dict[str, list[tuple[int, float, float]]]  # by factorisation: degree, D_dist, condition
 
 
 def steps(cloud: Cloud) -> Steps:
-    """Fit by all ways, and return what each found at every degree; a way that is refused has no steps."""
+    """Fit by all factorisations, and return the steps of each; one that is refused for this set has none."""
     found: Steps = {}
     for way in (STABLE, *OTHERS):
         try:
@@ -49,17 +49,17 @@ def _ready(name: str, folder: Path) -> Trial:
 CONTENDERS: dict[str, Contender] = {name: partial(_ready, name) for name in clouds.names()}
 
 
-def contest(folder: Path, seconds: float) -> Scores:  # noqa: ARG001 - once is enough: nothing here is a time
-    """Compare the ways on every set."""
+def contest(folder: Path, seconds: float) -> Scores:  # noqa: ARG001 - nothing is timed, so one run is enough
+    """Compare the factorisations on every set."""
     found = {}
     for name in clouds.names():
         Cloud.of(clouds.named(name, COUNT)).save(folder, name)
-        found[name] = Medians([alone(Asked("agreement", name, folder))])
+        found[name] = Medians([run_alone(ContenderRef("agreement", name, folder))])
     return found
 
 
 def differences(one: Medians, way: str) -> list[tuple[int, float, float]]:
-    """Return degree, condition, and the relative difference of D_dist from the block path's at that degree."""
+    """Return degree, condition, and the relative difference of D_dist from that of `block`, for every degree."""
     found: Steps = one.found.get("steps", {})
     stable = {degree: (d_dist, condition) for degree, d_dist, condition in found.get(STABLE, [])}
     return [
@@ -70,37 +70,37 @@ def differences(one: Medians, way: str) -> list[tuple[int, float, float]]:
 
 
 def targets(scores: Scores) -> list[Target]:
-    """Return the largest difference of auto up to the degree in question, on every set."""
+    """Return, for every set, the largest difference of `auto` up to `TARGET_DEGREE`."""
     lines = []
     for name, one in scores.items():
-        short = [row for row in differences(one, "auto") if row[0] <= SHORT_OF]
+        short = [row for row in differences(one, "auto") if row[0] <= TARGET_DEGREE]
         worst = max(short, key=lambda row: row[2], default=(0, float("nan"), float("nan")))
         note = f" (at degree {worst[0]}, condition {worst[1]:.0e})"
-        what = f"D_dist of auto against block's to degree {SHORT_OF}, relative, {name}"
-        lines.append(at_most(what, worst[2], ALLOWED, note=note))
+        what = f"D_dist of auto against block's to degree {TARGET_DEGREE}, relative, {name}"
+        lines.append(at_most(what, worst[2], TOLERANCE, note=note))
     return lines
 
 
-def allowed_to(scores: Scores, way: str) -> str:
-    """Return up to which condition a way agrees with block on all sets, in words."""
+def agreement_as_text(scores: Scores, way: str) -> str:
+    """Return a sentence: up to which condition a factorisation agrees with `block` on all sets."""
     rows = sorted((row[1], row[2]) for one in scores.values() for row in differences(one, way))
     if not rows:
         return f"- {way}: not measured."
-    bad = [condition for condition, difference in rows if difference > ALLOWED]
+    bad = [condition for condition, difference in rows if difference > TOLERANCE]
     if not bad:
-        return f"- {way}: within {ALLOWED:.0e} everywhere, up to a condition of {rows[-1][0]:.0e}."
+        return f"- {way}: within {TOLERANCE:.0e} everywhere, up to a condition of {rows[-1][0]:.0e}."
     good = [condition for condition, _ in rows if condition < bad[0]]
     first = f"up to a condition of {good[-1]:.0e}" if good else "nowhere"
     worst = max(rows, key=lambda row: row[1])
     return (
-        f"- {way}: within {ALLOWED:.0e} {first}, and beyond it at {bad[0]:.0e}; at worst {worst[1]:.0e}, at a "
+        f"- {way}: within {TOLERANCE:.0e} {first}, and beyond it at {bad[0]:.0e}; at worst {worst[1]:.0e}, at a "
         f"condition of {worst[0]:.0e}."
     )
 
 
 def shown(scores: Scores) -> str:
-    """Return the words and one table for each way."""
-    parts = ["\n".join(allowed_to(scores, way) for way in OTHERS)]
+    """Return the sentences, and one table for each factorisation."""
+    parts = ["\n".join(agreement_as_text(scores, way) for way in OTHERS)]
     parts += [f"{way}:\n\n{_table(scores, way)}" for way in OTHERS if any(differences(s, way) for s in scores.values())]
     failed = [f"- {name}: {one.failed}" for name, one in scores.items() if one.failed]
     return "\n\n".join([*parts, *failed])

@@ -12,14 +12,14 @@ from importlib import import_module
 from pathlib import Path
 from time import perf_counter, process_time
 
-from contest import memory, room
+from contest import memory, resources
 from contest.trial import Contender, Report, Trial
 
-room.enter()  # before numpy is loaded, whose BLAS counts the cores
+resources.limit()  # before numpy is imported, whose BLAS counts the cores
 
 
 def measured(trial: Trial) -> Report:
-    """Warm up, wait for the word, work, and judge."""
+    """Run the warm-up, wait for a line on standard input, run the timed work, and return the report."""
     memory.forget()
     before = memory.peak()
     started = perf_counter()
@@ -35,16 +35,16 @@ def measured(trial: Trial) -> Report:
 
 
 def attempted(work: Callable[[], Report]) -> Report:
-    """Return the report, or one that says why there is none."""
+    """Return the report of the work, or one with the error if it raises."""
     try:
         return work()
     except Exception as error:  # noqa: BLE001 - whatever stops a contender belongs in its row
-        words = str(error).splitlines() or [""]
-        return Report(failed=f"{type(error).__name__}: {words[0]}".replace("|", "/"))  # it stands in a table
+        lines = str(error).splitlines() or [""]
+        return Report(failed=f"{type(error).__name__}: {lines[0]}".replace("|", "/"))  # | would end a cell of the table
 
 
 def main(module: str, name: str, folder: str) -> None:
-    """Run it."""
+    """Run a contender and print its report."""
 
     def work() -> Report:
         contender: Contender = import_module(f"contest.{module}").CONTENDERS[name]
@@ -52,7 +52,7 @@ def main(module: str, name: str, folder: str) -> None:
 
     report = attempted(work)
     print(json.dumps(asdict(report)), flush=True)
-    os._exit(0)  # a library's threads are no concern of the next contender
+    os._exit(0)  # without waiting for threads that a library left running
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""The oriented points that all contenders get: sets of the folder if it is named, else bent shapes of `ipcore.shapes`.
+"""The oriented points of all contenders: sets of the folder in IPFIT_BENCH_DATA, or bent shapes of `ipcore.shapes`.
 
-They are bent because a system made from an algebraic surface is collinear, which real points never are.
+The shapes are bent because points of an algebraic surface make collinear columns, which real points never do.
 """
 
 import os
@@ -17,7 +17,7 @@ from ipcore import shapes
 from sets import FloatArray, PointSet
 
 PIECE = 100_000  # points made or read at once: 5 MB
-SPREAD = 0.5  # of the distance between neighbours, by which a point that is drawn again moves along the surface
+SPREAD = 0.5  # how far a point that is drawn again moves along the surface, in distances between neighbours
 SOLID = ("bunny_zipper", "spot", "armadillo_od", "duck_pybullet")
 FLAT = ("horse", "mp7_bird")
 MADE = {
@@ -26,7 +26,7 @@ MADE = {
     "bent superellipse": shapes.superellipse,
     "bent cubic": shapes.cubic,
 }
-BEND, WAVES = 0.1, 3.0  # x → x + BEND sin(WAVES y) and so on round the axes; their product is below 1: nothing folds
+BEND, WAVES = 0.1, 3.0  # x → x + BEND sin(WAVES y), and so on for the other axes; BEND · WAVES < 1, so nothing folds
 
 
 def from_folder() -> bool:
@@ -35,12 +35,12 @@ def from_folder() -> bool:
 
 
 def names() -> tuple[str, ...]:
-    """Return the sets that are compared degree by degree, surfaces first."""
+    """Return the names of the sets that are compared degree by degree, surfaces first."""
     return (*SOLID, *FLAT) if from_folder() else tuple(MADE)
 
 
 def named(name: str, count: int) -> PointSet:
-    """Return one of these, of at most so many points."""
+    """Return one of these sets, sampled to at most `count` points."""
     if from_folder():
         return sets.load(name).sample(count)
     return bent(name, count)
@@ -59,7 +59,7 @@ def bent(name: str, count: int) -> PointSet:
 
 
 def outlines(most: int) -> list[PointSet]:
-    """Return outlines of at most so many points, evenly thinned: all in the folder, else letters."""
+    """Return outlines, evenly thinned to at most so many points: all of the folder, or letters."""
     if from_folder():
         there = [sets.load(str(entry["name"])) for entry in sets.index() if entry["dim"] == 2]
     else:
@@ -68,14 +68,14 @@ def outlines(most: int) -> list[PointSet]:
 
 
 def _thinned(one: PointSet, most: int) -> PointSet:
-    """Return an outline with some of its points left out, as evenly as can be."""
+    """Return an outline with at most so many of its points, evenly spaced in their order."""
     keep = np.unique(np.linspace(0, len(one.points) - 1, min(most, len(one.points))).round().astype(np.intp))
     normals = None if one.normals is None else one.normals[keep]
     return PointSet(one.name, one.points[keep], normals, one.closed)
 
 
 def solid(count: int) -> PointSet:
-    """Return a closed surface, of which meshes are made."""
+    """Return the closed surface from which the contest of meshes starts."""
     return named("spot" if from_folder() else "bent genus-2 quartic", count)
 
 
@@ -88,30 +88,30 @@ class Cloud:
 
     @classmethod
     def of(cls, given: PointSet) -> "Cloud":
-        """Take a set that has normals."""
+        """Return the cloud of a set; it must have normals."""
         if given.normals is None:
             raise ValueError(f"{given.name} has no normals")
         return cls(given.points, given.normals)
 
     def save(self, folder: Path, name: str) -> None:
-        """Write both beside each other."""
+        """Write points and normals to two npy files."""
         np.save(folder / f"{name}-points.npy", self.points)
         np.save(folder / f"{name}-normals.npy", self.normals)
 
     @classmethod
     def load(cls, folder: Path, name: str, *, mapped: bool = False) -> "Cloud":
-        """Read both, or map them into memory."""
+        """Read the two files, or map them into memory."""
         files = (folder / f"{name}-points.npy", folder / f"{name}-normals.npy")
         return cls(*(np.load(file, mmap_mode="r" if mapped else None) for file in files))
 
     def first(self, count: int) -> "Cloud":
-        """Return so many points from all over the cloud."""
+        """Return so many points, spread evenly over the order of the cloud."""
         step = max(1, len(self.points) // count)
         return Cloud(self.points[::step][:count].copy(), self.normals[::step][:count].copy())
 
 
 def write_resampled(base: Cloud, count: int, folder: Path, name: str) -> None:
-    """Write a cloud of any size, piece by piece: points of another drawn again and moved along the surface."""
+    """Write a cloud of any size, piece by piece: points of `base`, drawn again and moved a little along the surface."""
     shape = (count, base.points.shape[1])
     files = [
         np.lib.format.open_memmap(folder / f"{name}-{kind}.npy", mode="w+", dtype=np.float64, shape=shape)
@@ -133,10 +133,10 @@ def _pieces(base: Cloud, count: int) -> Iterator[tuple[slice, Cloud]]:
 
 
 class Pieces:
-    """The pieces of a cloud in files, read one by one as often as they are asked for."""
+    """The pieces of a cloud in files. Each iteration reads all of them again, one at a time."""
 
     def __init__(self, folder: Path, name: str) -> None:
-        """Take the files by name."""
+        """Take the folder and the name of the cloud."""
         self._folder, self._name = folder, name
 
     def __iter__(self) -> Iterator[tuple[FloatArray, FloatArray]]:

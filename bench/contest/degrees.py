@@ -1,7 +1,7 @@
-"""Every degree to 12 of the same 3L rows: numpy, scikit-learn and LAPACK against ipfit.
+"""Every degree up to 12 from the same 3L rows: numpy, scikit-learn and LAPACK beside ipfit.
 
-The others get what helps them: the points are normalised, numpy's matrix is filled once for all degrees, and LAPACK
-factors it once, in place, with the right-hand side as its last column and without Q.
+The others are given every advantage: the points are normalised, numpy's matrix is filled once for all degrees, and
+LAPACK factors it once, in place, with the right-hand side as its last column and without Q.
 """
 
 import warnings
@@ -19,8 +19,8 @@ import ipcore
 from contest import clouds
 from contest.clouds import Cloud
 from contest.fitting import FEW, TOP, closeness, fitted
-from contest.process import Asked, alone
-from contest.rounds import Scores, how_many, interleaved, seconds_of
+from contest.process import ContenderRef, run_alone
+from contest.rounds import Scores, interleaved, rounds_as_text, seconds_of
 from contest.target import Target, at_least
 from contest.trial import Contender, Trial
 from evidence.table import table
@@ -31,7 +31,7 @@ from sets import FloatArray
 
 COUNT = 30_000
 LAYER = 0.05  # c, ipfit's default
-RIDGE = 1e-8  # κ: small enough not to show, and Ridge still solves by Cholesky factors
+RIDGE = 1e-8  # κ: too small to change the answer; with it, Ridge solves by a Cholesky factorisation
 LSTSQ, SKLEARN, LAPACK = (
     "numpy lstsq, every degree",
     "scikit-learn Ridge, every degree",
@@ -51,7 +51,7 @@ class Rows:
 
     @classmethod
     def of(cls, cloud: Cloud) -> "Rows":
-        """Lay three layers along the normals."""
+        """Return the rows of three layers along the normals."""
         frame = ipcore.Frame.of(cloud.points)
         rows = ThreeLayer().rows(frame.to_local(cloud.points), cloud.normals, RowParameters(LAYER, 0.0))
         return cls(np.concatenate([group.positions for group in rows.groups]), rows.b(1), frame)
@@ -68,7 +68,7 @@ class Rows:
 
 
 def lstsq(cloud: Cloud) -> ipcore.ImplicitPolynomial:
-    """Solve anew at every degree, by numpy."""
+    """Solve from scratch at every degree, with numpy."""
     rows = Rows.of(cloud)
     M = rows.columns()
     for degree in range(1, TOP + 1):
@@ -77,12 +77,12 @@ def lstsq(cloud: Cloud) -> ipcore.ImplicitPolynomial:
 
 
 def sklearn_ridge(cloud: Cloud) -> ipcore.ImplicitPolynomial:
-    """Make features and solve at every degree, by scikit-learn."""
+    """Make the features and solve at every degree, with scikit-learn."""
     from sklearn.linear_model import Ridge  # noqa: PLC0415 - only this contender's process is to load it
     from sklearn.preprocessing import PolynomialFeatures  # noqa: PLC0415 - as above
 
     rows = Rows.of(cloud)
-    warnings.simplefilter("ignore", LinAlgWarning)  # it solves ill-conditioned systems, and says so every time
+    warnings.simplefilter("ignore", LinAlgWarning)  # the systems are ill-conditioned, and it warns every time
     for degree in range(1, TOP + 1):
         features = PolynomialFeatures(degree)
         model = Ridge(alpha=RIDGE, fit_intercept=False).fit(features.fit_transform(rows.positions), rows.b)
@@ -92,7 +92,7 @@ def sklearn_ridge(cloud: Cloud) -> ipcore.ImplicitPolynomial:
 
 
 def lapack_qr(cloud: Cloud) -> ipcore.ImplicitPolynomial:
-    """Factor [M b] once and solve, by LAPACK."""
+    """Factor [M b] once and solve, with LAPACK."""
     rows = Rows.of(cloud)
     M = rows.columns()
     both = np.empty((len(M), M.shape[1] + 1), order="F")
@@ -104,11 +104,11 @@ def lapack_qr(cloud: Cloud) -> ipcore.ImplicitPolynomial:
 
 
 def ipfit(factor: str, cloud: Cloud, **more: Any) -> ipcore.ImplicitPolynomial:  # noqa: ANN401 - as in `fitted`
-    """Fit by one of ipfit's ways."""
+    """Fit with one of ipfit's factorisations."""
     return fitted(cloud, factor, **more).polynomial
 
 
-WAYS: dict[str, Callable[[Cloud], ipcore.ImplicitPolynomial]] = {
+METHODS: dict[str, Callable[[Cloud], ipcore.ImplicitPolynomial]] = {
     LSTSQ: lstsq,
     SKLEARN: sklearn_ridge,
     LAPACK: lapack_qr,
@@ -121,27 +121,27 @@ WAYS: dict[str, Callable[[Cloud], ipcore.ImplicitPolynomial]] = {
 
 
 def contender(way: str) -> Contender:
-    """Return a way as what a process runs."""
+    """Return the contender that runs one of `METHODS`."""
 
     def ready(folder: Path) -> Trial:
-        cloud, work = Cloud.load(folder, "cloud"), WAYS[way]
+        cloud, work = Cloud.load(folder, "cloud"), METHODS[way]
         few = cloud.first(FEW)
         return Trial(lambda: work(few), lambda: work(cloud), lambda found: closeness(found, cloud))
 
     return ready
 
 
-CONTENDERS = {way: contender(way) for way in WAYS}
+CONTENDERS = {way: contender(way) for way in METHODS}
 
 
 def contest(folder: Path, seconds: float) -> Scores:
-    """Let all take turns on the same points."""
+    """Run all methods in turn on the same points."""
     Cloud.of(clouds.named(clouds.names()[0], COUNT)).save(folder, "cloud")
-    return interleaved(list(WAYS), lambda way: alone(Asked("degrees", way, folder)), seconds)
+    return interleaved(list(METHODS), lambda way: run_alone(ContenderRef("degrees", way, folder)), seconds)
 
 
 def targets(scores: Scores) -> list[Target]:
-    """Return how much faster auto is, against what was asked for."""
+    """Return how many times faster `auto` is than others, beside the goals."""
     auto, bare = (seconds_of(scores, way) for way in (AUTO, AUTO_BARE))
     lines = []
     for other, asked in FASTER.items():
@@ -152,7 +152,7 @@ def targets(scores: Scores) -> list[Target]:
 
 
 def shown(scores: Scores) -> str:
-    """Return the table and what it is of."""
+    """Return the table, after a line that says what it was measured on."""
     name, best = clouds.names()[0], seconds_of(scores, AUTO)
     lines = []
     for way, one in scores.items():
@@ -163,4 +163,4 @@ def shown(scores: Scores) -> str:
         cells = [f"{one.seconds:.3f}", f"{one.seconds / best:.1f}", f"{one.cpu:.3f}", f"{one.first:.2f}"]
         lines.append([way, *cells, f"{one.above:.0f}", f"{found['d_dist']:.6f}", f"{found['d_smooth']:.5f}"])
     heads = ["way", "s", "÷ auto", "CPU s", "first, s", "peak MB", "D_dist", "D_smooth"]
-    return f"{COUNT:,} points of {name} at most. {how_many(scores)}.\n\n{table(heads, lines)}"
+    return f"{COUNT:,} points of {name} at most. {rounds_as_text(scores)}.\n\n{table(heads, lines)}"

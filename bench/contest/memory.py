@@ -1,4 +1,4 @@
-"""The memory of this process, from the system's books: nothing is asked of the allocator, so all of it counts."""
+"""The memory of this process as the operating system counts it, whichever allocator took it."""
 
 import resource
 from pathlib import Path
@@ -9,7 +9,7 @@ MB = 1e6
 
 
 def forget() -> None:
-    """Let the peak start again from what is resident now, where the system can (Linux)."""
+    """Reset the peak to what is resident now. Only Linux can do this; elsewhere nothing happens."""
     try:
         FORGET.write_text("5", encoding="ascii")
     except OSError:
@@ -19,7 +19,7 @@ def forget() -> None:
 def peak() -> float:
     """Return the peak of the resident set, mapped files included, in MB.
 
-    It is VmHWM where there is one: ru_maxrss of a new process starts at what its parent had.
+    On Linux it is VmHWM, because ru_maxrss of a new process starts at the value of its parent.
     """
     try:
         lines = STATUS.read_text(encoding="ascii").splitlines()

@@ -20,8 +20,8 @@ import ipcore
 from contest import clouds, poisson
 from contest.clouds import Cloud
 from contest.fitting import TOP
-from contest.process import Asked, alone
-from contest.rounds import Medians, Scores, how_many, interleaved
+from contest.process import ContenderRef, run_alone
+from contest.rounds import Medians, Scores, interleaved, rounds_as_text
 from contest.trial import Contender, Trial
 from evidence.table import table
 from ipcore.constraints.family import RowParameters
@@ -29,24 +29,24 @@ from ipcore.constraints.three_layer import ThreeLayer
 from sets import FloatArray
 
 COUNT = 3000  # points: an RBF takes three centres for each
-GRID = 64  # lines along the longest axis, of the RBF; ipfit's mesh has its own default
-NEIGHBOURS = 30  # of the RBF: with all 9,000 centres at once it would solve for as many unknowns
-LAYER, MARGIN = 0.05, 0.3  # mean radii: the outer layers, and the box round the points, as ipfit has them
-CANDIDATES = 12  # triangles, by their middles, among which the nearest to a point is looked for
-FAR = 0.1  # mean radii from all points, where a triangle counts as stray
+GRID = 64  # grid lines along the longest axis for the RBF; ipfit uses its default
+NEIGHBOURS = 30  # of the RBF; without this, all 9,000 centres would be unknowns of one system
+LAYER, MARGIN = 0.05, 0.3  # mean radii: distance of the outer layers, and margin of the box, as in ipfit
+CANDIDATES = 12  # triangles with the nearest centroids, among which the nearest triangle to a point is searched
+FAR = 0.1  # mean radii: a triangle farther than this from all points counts as stray
 
 Surface = tuple[FloatArray, NDArray[np.integer[Any]]]  # vertices (V, 3) and triangles (T, 3)
 
 
 def by_ipfit(cloud: Cloud, **options: Any) -> Surface:  # noqa: ANN401 - whatever `FitOptions.of` takes
-    """Fit, and take the zero set near the points."""
+    """Fit the cloud and return the zero set near its points."""
     fit = ipcore.fit(cloud.points, cloud.normals, ipcore.FitOptions.of(measure_zero_set=False, **options))
     found = ipcore.zero_set(fit.polynomial, data=cloud.points, cap=False)
     return found.vertices, found.cells
 
 
 def by_rbf(cloud: Cloud) -> Surface:
-    """Interpolate three layers, evaluate on a grid, and march."""
+    """Interpolate three layers by radial basis functions, evaluate on a grid, and run marching cubes."""
     frame = ipcore.Frame.of(cloud.points)
     x = frame.to_local(cloud.points)
     rows = ThreeLayer().rows(x, cloud.normals, RowParameters(LAYER, 0.0))
@@ -60,7 +60,7 @@ def by_rbf(cloud: Cloud) -> Surface:
     return frame.to_raw(vertices + low), faces
 
 
-WAYS: dict[str, Callable[[Cloud], Surface]] = {
+METHODS: dict[str, Callable[[Cloud], Surface]] = {
     "ipfit, default": by_ipfit,
     f"ipfit, linear to degree {TOP}": partial(by_ipfit, geometric=False, max_degree=TOP),
     f"SciPy RBFInterpolator, {NEIGHBOURS} neighbours, {GRID}³": by_rbf,
@@ -68,10 +68,10 @@ WAYS: dict[str, Callable[[Cloud], Surface]] = {
 
 
 def contender(way: str) -> Contender:
-    """Return a way as what a process runs."""
+    """Return the contender that runs one of `METHODS`."""
 
     def ready(folder: Path) -> Trial:
-        cloud, work = Cloud.load(folder, "solid"), WAYS[way]
+        cloud, work = Cloud.load(folder, "solid"), METHODS[way]
         few = cloud.first(COUNT // 10)
 
         def judged(found: Surface) -> dict[str, Any]:
@@ -84,11 +84,11 @@ def contender(way: str) -> Contender:
     return ready
 
 
-CONTENDERS = {way: contender(way) for way in WAYS}
+CONTENDERS = {way: contender(way) for way in METHODS}
 
 
 def closeness(surface: Surface, cloud: Cloud) -> dict[str, float]:
-    """Return the mean distance of the points from a mesh, the mean cosine of its normals there, and what is stray."""
+    """Return the points' mean distance from a mesh, the mean cosine of normals there, and the stray share of area."""
     vertices, faces = surface
     scale = ipcore.Frame.of(cloud.points).scale
     corners = vertices[faces]
@@ -120,16 +120,20 @@ def _pieces(faces: NDArray[np.integer[Any]], count: int) -> int:
 
 
 def contest(folder: Path, seconds: float) -> Scores:
-    """Let all take turns on the same points, and compare their meshes with these."""
+    """Run all methods in turn on the same points, and measure their meshes against these points."""
     cloud = Cloud.of(clouds.solid(COUNT))
     cloud.save(folder, "solid")
     python = os.environ.get("IPFIT_BENCH_OPEN3D", sys.executable)
 
     def run(name: str) -> Any:  # noqa: ANN401 - a report
-        asked = Asked("poisson", name, folder, python) if name in poisson.NAMES else Asked("meshes", name, folder)
-        return alone(asked)
+        asked = (
+            ContenderRef("poisson", name, folder, python)
+            if name in poisson.NAMES
+            else ContenderRef("meshes", name, folder)
+        )
+        return run_alone(asked)
 
-    scores = interleaved([*WAYS, *poisson.NAMES], run, seconds)
+    scores = interleaved([*METHODS, *poisson.NAMES], run, seconds)
     for name, one in scores.items():
         if not one.failed:
             one.found.update(_read(folder / f"{name}.npz", cloud))
@@ -142,13 +146,13 @@ def _read(file: Path, cloud: Cloud) -> dict[str, float]:
 
 
 def shown(scores: Scores) -> str:
-    """Return the table, and a word on Open3D if it is not there."""
+    """Return the table, with a note if Open3D is not installed."""
     lines = [[name, *_cells(one)] for name, one in scores.items()]
     heads = ["way", "s", "CPU s", "peak MB", "D_dist", "D_smooth", "stray", "pieces", "triangles"]
     name = clouds.solid(COUNT).name
     missing = any(one.failed.startswith("ModuleNotFoundError") for one in scores.values())
-    words = " Open3D was not installed here: its rows are empty." if missing else ""
-    return f"{COUNT:,} points of {name} at most. {how_many(scores)}.{words}\n\n{table(heads, lines)}"
+    note = " Open3D was not installed here: its rows are empty." if missing else ""
+    return f"{COUNT:,} points of {name} at most. {rounds_as_text(scores)}.{note}\n\n{table(heads, lines)}"
 
 
 def _cells(one: Medians) -> list[str]:

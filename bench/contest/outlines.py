@@ -1,4 +1,4 @@
-"""Outlines of 500 points at most, in process: the plain fit and the default one."""
+"""Outlines of at most 500 points, all in one process: the linear fit and the default one."""
 
 from functools import partial
 from pathlib import Path
@@ -8,8 +8,8 @@ from typing import Any
 
 import ipcore
 from contest import clouds
-from contest.process import Asked, alone
-from contest.rounds import Medians, Scores, how_many, interleaved
+from contest.process import ContenderRef, run_alone
+from contest.rounds import Medians, Scores, interleaved, rounds_as_text
 from contest.target import Target, at_most
 from contest.trial import Contender, Trial
 from evidence.table import table
@@ -17,12 +17,12 @@ from sets import PointSet
 
 COUNT = 500
 PLAIN, BARE, DEFAULT = "plain", "plain, zero set not measured", "default"
-WAYS: dict[str, dict[str, Any]] = {
+FITS: dict[str, dict[str, Any]] = {
     PLAIN: {"geometric": False},
     BARE: {"geometric": False, "measure_zero_set": False},
     DEFAULT: {},
 }
-ASKED = {PLAIN: 10.0, DEFAULT: 80.0}  # ms
+GOALS = {PLAIN: 10.0, DEFAULT: 80.0}  # ms
 
 
 def _fit(given: PointSet, options: ipcore.FitOptions) -> tuple[float, ipcore.FitResult]:
@@ -32,7 +32,7 @@ def _fit(given: PointSet, options: ipcore.FitOptions) -> tuple[float, ipcore.Fit
 
 
 def _judged(fits: list[tuple[float, ipcore.FitResult]]) -> dict[str, Any]:
-    """Return ms of every outline, and medians over the outlines of degree, D_dist and D_smooth."""
+    """Return the milliseconds of every outline, and the medians of degree, D_dist and D_smooth."""
     results = [result for _, result in fits]
     return {
         "ms": [taken for taken, _ in fits],
@@ -43,7 +43,7 @@ def _judged(fits: list[tuple[float, ipcore.FitResult]]) -> dict[str, Any]:
 
 
 def _ready(way: str, folder: Path) -> Trial:  # noqa: ARG001 - small sets are read where they are
-    options, given = ipcore.FitOptions.of(**WAYS[way]), clouds.outlines(COUNT)
+    options, given = ipcore.FitOptions.of(**FITS[way]), clouds.outlines(COUNT)
 
     def work() -> list[tuple[float, ipcore.FitResult]]:
         return [_fit(one, options) for one in given]
@@ -51,22 +51,22 @@ def _ready(way: str, folder: Path) -> Trial:  # noqa: ARG001 - small sets are re
     return Trial(work, work, _judged)
 
 
-CONTENDERS: dict[str, Contender] = {way: partial(_ready, way) for way in WAYS}
+CONTENDERS: dict[str, Contender] = {way: partial(_ready, way) for way in FITS}
 
 
 def contest(folder: Path, seconds: float) -> Scores:
-    """Let the ways take turns on all outlines."""
-    return interleaved(list(WAYS), lambda way: alone(Asked("outlines", way, folder)), seconds)
+    """Run the fits in turn on all outlines."""
+    return interleaved(list(FITS), lambda way: run_alone(ContenderRef("outlines", way, folder)), seconds)
 
 
 def targets(scores: Scores) -> list[Target]:
-    """Return the medians over the outlines."""
+    """Return the targets of the median outline."""
     bare = _middle(scores, BARE)
     notes = {PLAIN: f" ({bare:.3g} ms when the zero set is not measured)"}
     what = f"median outline of at most {COUNT} points, {{}} fit"
     return [
         at_most(what.format(way), _middle(scores, way), limit, " ms", notes.get(way, ""))
-        for way, limit in ASKED.items()
+        for way, limit in GOALS.items()
     ]
 
 
@@ -75,7 +75,7 @@ def _middle(scores: Scores, way: str) -> float:
 
 
 def _each(one: Medians) -> list[float]:
-    """Return the ms of every outline, the median of the rounds; nothing if there was a failure."""
+    """Return the milliseconds of every outline, medians of the rounds; empty if a run failed."""
     return [] if one.failed else [median(runs) for runs in zip(*(run.found["ms"] for run in one.reports), strict=True)]
 
 
@@ -91,4 +91,4 @@ def shown(scores: Scores) -> str:
         lines.append([way, *times, f"{found['degree']:g}", f"{found['d_dist']:.4f}", f"{found['d_smooth']:.3f}"])
     heads = ["fit", "ms, median", "least", "most", "degree", "D_dist", "D_smooth"]
     count = len(clouds.outlines(COUNT))
-    return f"{count} outlines of at most {COUNT} points. {how_many(scores)}.\n\n{table(heads, lines)}"
+    return f"{count} outlines of at most {COUNT} points. {rounds_as_text(scores)}.\n\n{table(heads, lines)}"

@@ -1,4 +1,4 @@
-"""Open3D's Poisson reconstruction. It runs in any Python that has Open3D and numpy, and imports nothing else."""
+"""Poisson reconstruction by Open3D. The module needs only Open3D and numpy, so another Python can run it."""
 
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Rounds in which all contenders take turns, so that whatever else the machine does meets all of them."""
+"""Rounds in which the contenders run in turn, so that other work on the machine slows all of them alike."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -9,48 +9,48 @@ from typing import Any
 
 from contest.trial import Report
 
-MOST = 7  # rounds
+MAX_ROUNDS = 7
 
 
 @dataclass(frozen=True)
 class Medians:
-    """What some runs of one contender come to; see `Report` for what is what."""
+    """The medians over some runs of one contender. `Report` says what each value is."""
 
     reports: Sequence[Report]
 
     @property
     def seconds(self) -> float:
-        """Return the median of seconds on the wall."""
+        """Return the median wall time, in seconds."""
         return median(one.seconds for one in self.reports)
 
     @property
     def cpu(self) -> float:
-        """Return the median of processor seconds."""
+        """Return the median processor time, in seconds."""
         return median(one.cpu for one in self.reports)
 
     @property
     def first(self) -> float:
-        """Return the median of seconds of the small work before."""
+        """Return the median time of the small warm-up work, in seconds."""
         return median(one.first for one in self.reports)
 
     @property
     def above(self) -> float:
-        """Return the median of peak memory above what was there before, in MB."""
+        """Return the median of the peak memory above that before the work, in MB."""
         return median(one.above for one in self.reports)
 
     @property
     def resident(self) -> float:
-        """Return the median of peak memory in all, in MB."""
+        """Return the median of the peak memory of the whole process, in MB."""
         return median(one.resident for one in self.reports)
 
     @property
     def found(self) -> dict[str, Any]:
-        """Return what was found in the first run; the others find the same."""
+        """Return what the first run found; the other runs find the same."""
         return self.reports[0].found
 
     @property
     def failed(self) -> str:
-        """Return why there is nothing of all this; one failure is enough."""
+        """Return the first error among the runs, or an empty string."""
         return next((one.failed for one in self.reports if one.failed), "")
 
 
@@ -58,13 +58,14 @@ Scores = Mapping[str, Medians]
 
 
 def interleaved(names: Sequence[str], run: Callable[[str], Report], seconds: float) -> Scores:
-    """Run all, round after round, as long as the next round is likely to end within these seconds.
+    """Run all contenders in rounds, and return their medians by name.
 
-    What has failed once is not tried again.
+    A round is started only if it will probably end within `seconds`, counted from the first round. A contender that has
+    failed once is not run again.
     """
     reports: dict[str, list[Report]] = {name: [] for name in names}
     started = perf_counter()
-    for done in range(MOST):
+    for done in range(MAX_ROUNDS):
         spent = perf_counter() - started
         if done and spent * (done + 1) / done > seconds:
             break
@@ -75,11 +76,11 @@ def interleaved(names: Sequence[str], run: Callable[[str], Report], seconds: flo
 
 
 def seconds_of(scores: Scores, name: str) -> float:
-    """Return the time of a contender; not a number if it failed or did not run."""
+    """Return the median wall time of a contender, or NaN if it failed or did not run."""
     return scores[name].seconds if name in scores and not scores[name].failed else math.nan
 
 
-def how_many(scores: Scores) -> str:
-    """Return how many rounds there were, in words."""
+def rounds_as_text(scores: Scores) -> str:
+    """Return the number of rounds as text for the page."""
     runs = max(len(one.reports) for one in scores.values())
     return "One round" if runs == 1 else f"Medians of {runs} interleaved rounds"

@@ -1,4 +1,4 @@
-"""Time per point and memory as points grow by powers of ten, and a set streamed from files that is never held whole."""
+"""Time per point and memory for growing numbers of points, and for a set that is streamed from files."""
 
 from functools import partial
 from itertools import pairwise
@@ -10,17 +10,17 @@ import numpy as np
 from contest import clouds
 from contest.clouds import Cloud, Pieces
 from contest.fitting import FEW, closeness, fitted
-from contest.process import Asked, alone
-from contest.rounds import Scores, how_many, interleaved, seconds_of
+from contest.process import ContenderRef, run_alone
+from contest.rounds import Scores, interleaved, rounds_as_text, seconds_of
 from contest.target import Target, at_most
 from contest.trial import Contender, Trial
 from evidence.table import table
 
-BASE = 30_000  # points, which larger clouds draw from again
+BASE = 30_000  # points; larger clouds are drawn from these again
 SIZES = (10_000, 100_000, 1_000_000)
 STREAMED = 10_000_000
 MAPPED, CHUNKS = "memory-mapped", "in pieces"
-JUDGED = 20_000  # points, from all over the cloud
+JUDGED = 20_000  # points at which the fit is measured
 
 
 def _held(count: int, folder: Path) -> Trial:
@@ -35,7 +35,7 @@ def _mapped(folder: Path) -> Trial:
 
 
 def _few(folder: Path) -> Cloud:
-    """Return a few points of the streamed cloud without touching its pages from end to end, which would count."""
+    """Return a few points of the same surface without reading the streamed files, whose pages would count as memory."""
     return Cloud.load(folder, str(SIZES[0])).first(FEW)
 
 
@@ -57,19 +57,21 @@ CONTENDERS: dict[str, Contender] = {
 
 
 def contest(folder: Path, seconds: float) -> Scores:
-    """Stream once each way, then fit all sizes in rounds."""
+    """Run the two streamed fits once each, then all sizes in rounds."""
     started, base = perf_counter(), Cloud.of(clouds.named(clouds.names()[0], BASE))
     for count in (*SIZES, STREAMED):
         clouds.write_resampled(base, count, folder, str(count))
-    streamed = interleaved([MAPPED, CHUNKS], lambda name: alone(Asked("scale", name, folder)), 0.0)
+    streamed = interleaved([MAPPED, CHUNKS], lambda name: run_alone(ContenderRef("scale", name, folder)), 0.0)
     left = started + seconds - perf_counter()
-    scores = interleaved([str(count) for count in SIZES], lambda name: alone(Asked("scale", name, folder)), left)
+    scores = interleaved(
+        [str(count) for count in SIZES], lambda name: run_alone(ContenderRef("scale", name, folder)), left
+    )
     return {**scores, **streamed}
 
 
 def targets(scores: Scores) -> list[Target]:
-    """Return how flat the time per point is, and the peaks."""
-    per = np.array([seconds_of(scores, str(count)) / count for count in SIZES])  # numpy's max is nan if one is
+    """Return the targets: constant time per point, and peak memory."""
+    per = np.array([seconds_of(scores, str(count)) / count for count in SIZES])  # the maximum is NaN if one of them is
     slopes = np.array(_slopes(scores))
     note = f" (of what each further point costs: {slopes.max() / slopes.min():.2f})"
     what = f"time per point from {SIZES[0]:,} to {SIZES[-1]:,} points, largest over smallest"
@@ -106,5 +108,5 @@ def shown(scores: Scores) -> str:
         cells += [f"{one.above:.0f}", f"{one.resident:.0f}", f"{one.found['d_dist']:.6f}"]
         lines.append([f"{sizes[name]:,}", label, *cells, f"{one.found['d_smooth']:.5f}"])
     heads = ["points", "held", "s", "µs per point", "µs per further point", "peak MB above", "resident MB in all"]
-    once = f"{how_many({name: one for name, one in scores.items() if name.isdecimal()})}; streamed once each way."
+    once = f"{rounds_as_text({name: one for name, one in scores.items() if name.isdecimal()})}; streamed once each way."
     return f"{once}\n\n{table([*heads, 'D_dist', 'D_smooth'], lines)}"

@@ -1,4 +1,4 @@
-"""What threads bring, alone and when two processes share the machine."""
+"""The gain from threads, in one process and in two processes that share the machine."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ from time import perf_counter
 from contest import clouds
 from contest.clouds import Cloud
 from contest.fitting import FEW, closeness, fitted
-from contest.process import Asked, together
-from contest.room import CORES
-from contest.rounds import MOST
+from contest.process import ContenderRef, run_together
+from contest.resources import CORES
+from contest.rounds import MAX_ROUNDS
 from contest.trial import Contender, Report, Trial
 from evidence.table import table
 
@@ -22,7 +22,7 @@ CASES = [(processes, threads) for processes in (1, 2) for threads in (1, CORES)]
 
 @dataclass(frozen=True)
 class Case:
-    """Runs of so many processes at once with so many threads each."""
+    """Runs of a number of processes at the same time, with a number of threads each."""
 
     processes: int
     threads: int
@@ -30,17 +30,17 @@ class Case:
 
     @property
     def failed(self) -> str:
-        """Return why there is nothing."""
+        """Return the first error, or an empty string."""
         return next((one.failed for run in self.runs for one in run if one.failed), "")
 
     @property
     def seconds(self) -> float:
-        """Return how long it took until all were done."""
+        """Return the seconds until all processes were done, median of the rounds."""
         return median(max(one.seconds for one in run) for run in self.runs)
 
     @property
     def cpu(self) -> float:
-        """Return the processor time of one fit."""
+        """Return the processor time of one fit in seconds, median of all runs."""
         return median(one.cpu for run in self.runs for one in run)
 
 
@@ -58,16 +58,16 @@ CONTENDERS: dict[str, Contender] = {str(threads): partial(_ready, threads) for t
 
 
 def contest(folder: Path, seconds: float) -> list[Case]:
-    """Let the cases take turns."""
+    """Run the cases in turn."""
     clouds.write_resampled(Cloud.of(clouds.named(clouds.names()[0], BASE)), COUNT, folder, "many")
     runs: dict[tuple[int, int], list[list[Report]]] = {case: [] for case in CASES}
     started = perf_counter()
-    for done in range(MOST):
+    for done in range(MAX_ROUNDS):
         spent = perf_counter() - started
         if done and spent * (done + 1) / done > seconds:
             break
         for processes, threads in CASES:
-            runs[processes, threads].append(together([Asked("threads", str(threads), folder)] * processes))
+            runs[processes, threads].append(run_together([ContenderRef("threads", str(threads), folder)] * processes))
     return [Case(*case, found) for case, found in runs.items()]
 
 
@@ -81,11 +81,11 @@ def shown(cases: Sequence[Case]) -> str:
             cells = [f"{case.seconds:.3f}", f"{rate:.2f}", f"{case.cpu:.3f}"]
         lines.append([case.processes, case.threads, *cells])
     heads = ["processes at once", "threads each", "s until all are done", "fits per second", "CPU s per fit"]
-    return f"{COUNT:,} points. {words(cases)}\n\n{table(heads, lines)}"
+    return f"{COUNT:,} points. {summary(cases)}\n\n{table(heads, lines)}"
 
 
-def words(cases: Sequence[Case]) -> str:
-    """Return what the table says."""
+def summary(cases: Sequence[Case]) -> str:
+    """Return the table in two sentences."""
     if any(case.failed for case in cases):
         return "Not measured."
     one, two, shared, crowded = (case.seconds for case in cases)

@@ -1,4 +1,4 @@
-"""What a contender is, and what is known of one run of it."""
+"""The types of a contender and of the report of one run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -8,16 +8,16 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Trial:
-    """A work that is ready to run: its input is in memory, and what it needs is imported.
+    """Work that is ready to be timed: its input is in memory and its libraries are imported.
 
     Attributes
     ----------
     warm
-        The same work on a small input, for what a process does but once.
+        Does the same work on a small input, so that one-time costs of the process are not timed.
     run
-        What is timed.
+        The timed work.
     judge
-        What is found out of the outcome of `run` afterwards, ready for JSON.
+        Measures the result of `run` afterwards; returns values that can be written as JSON.
 
     """
 
@@ -26,27 +26,27 @@ class Trial:
     judge: Callable[[Any], dict[str, Any]]
 
 
-Contender = Callable[[Path], Trial]  # the folder holds the inputs
+Contender = Callable[[Path], Trial]  # takes the folder with the inputs
 
 
 @dataclass(frozen=True)
 class Report:
-    """One run.
+    """The report of one run.
 
     Attributes
     ----------
     seconds, cpu
-        Of the run, on the wall and of all threads.
+        Wall time and processor time of the run, all threads together.
     first
-        Seconds of the small work before it, the first in its process.
+        Seconds of the warm-up work on the small input.
     above
-        Peak memory above what was resident before both, in MB.
+        Peak memory above what was resident before the warm-up, in MB.
     resident
-        Peak memory in all, in MB.
+        Peak memory of the process, in MB.
     found
-        What the judge found.
+        What `judge` returned.
     failed
-        Why there is nothing of all this; empty if there is.
+        The error, if the run failed; else empty.
 
     """
 

@@ -1,4 +1,4 @@
-"""Zero sets of degree 12 on fine grids: ipfit's, and every node evaluated and marched through by scikit-image."""
+"""Zero sets of degree 12 on fine grids: by ipfit, and by scikit-image after evaluation at every node."""
 
 from functools import partial
 from pathlib import Path
@@ -8,29 +8,29 @@ import numpy as np
 from skimage.measure import marching_cubes
 
 import ipcore
-from contest.process import Asked, alone
-from contest.rounds import Scores, how_many, interleaved, seconds_of
+from contest.process import ContenderRef, run_alone
+from contest.rounds import Scores, interleaved, rounds_as_text, seconds_of
 from contest.target import Target, at_most
 from contest.trial import Contender, Trial
 from evidence.table import table
 from sets import FloatArray
 from zero_sets import bumpy
 
-ASKED = {256: 1.0, 512: 3.0}  # seconds
-COARSE = 32  # the small grid before
+GOALS = {256: 1.0, 512: 3.0}  # seconds
+COARSE = 32  # the grid of the warm-up
 OURS, THEIRS = "ipfit", "every node, scikit-image"
 
 Surface = tuple[FloatArray, Any]  # vertices (V, 3) and triangles (T, 3)
 
 
 def ours(polynomial: ipcore.ImplicitPolynomial, data: FloatArray, lines: int) -> Surface:
-    """Return the zero set as ipfit finds it, with what it measures against data."""
+    """Return the zero set by ipfit, which also measures its stray share against data."""
     found = ipcore.zero_set(polynomial, resolution=lines, data=data)
     return found.vertices, found.cells
 
 
 def theirs(polynomial: ipcore.ImplicitPolynomial, data: FloatArray, lines: int) -> Surface:  # noqa: ARG001 - has no use for them
-    """Return the zero set by scikit-image."""
+    """Return the zero set by scikit-image's marching cubes."""
     low, high = polynomial.bounds
     axes = [np.linspace(a, b, lines) for a, b in zip(low, high, strict=True)]
     vertices, faces, *_ = marching_cubes(polynomial.on_grid(axes), 0.0, spacing=tuple((high - low) / (lines - 1)))
@@ -50,20 +50,20 @@ def _ready(lines: int, way: str, folder: Path) -> Trial:  # noqa: ARG001 - the s
 
 
 CONTENDERS: dict[str, Contender] = {
-    f"{lines}³, {way}": partial(_ready, lines, way) for lines in ASKED for way in (OURS, THEIRS)
+    f"{lines}³, {way}": partial(_ready, lines, way) for lines in GOALS for way in (OURS, THEIRS)
 }
 
 
 def contest(folder: Path, seconds: float) -> Scores:
-    """Let all take turns."""
-    return interleaved(list(CONTENDERS), lambda name: alone(Asked("zero_set_grids", name, folder)), seconds)
+    """Run all contenders in turn."""
+    return interleaved(list(CONTENDERS), lambda name: run_alone(ContenderRef("zero_set_grids", name, folder)), seconds)
 
 
 def targets(scores: Scores) -> list[Target]:
-    """Return the times."""
+    """Return the targets of the times."""
     return [
         at_most(f"zero set of degree 12 at {lines}³", seconds_of(scores, f"{lines}³, {OURS}"), limit, " s")
-        for lines, limit in ASKED.items()
+        for lines, limit in GOALS.items()
     ]
 
 
@@ -77,4 +77,4 @@ def shown(scores: Scores) -> str:
         cells = [f"{one.seconds:.2f}", f"{one.cpu:.2f}", f"{one.above:.0f}"]
         lines.append([name, *cells, f"{one.found['vertices']:,}", f"{one.found['off']:.0e}"])
     heads = ["zero set", "s", "CPU s", "peak MB", "vertices", "farthest vertex from f = 0"]
-    return f"{how_many(scores)}.\n\n{table(heads, lines)}"
+    return f"{rounds_as_text(scores)}.\n\n{table(heads, lines)}"

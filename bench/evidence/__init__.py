@@ -1,1 +1,1 @@
-"""The parts of `bench/paper.py`: one study of the paper's evidence each, and what draws and writes them."""
+"""The parts of `bench/paper.py`: a module for each study, and those that draw figures and write tables."""

@@ -12,19 +12,19 @@ PER_ROW = 6
 
 
 class Adaptive:
-    """The paper's rule over all sets, by whole forms, each set fitted once."""
+    """The fit of every set, by the paper's rule and by complete degrees."""
 
     def __init__(self) -> None:
-        """Fit them."""
+        """Fit all sets."""
         self.fits: list[tuple[PointSet, ipcore.FitResult]] = [(given, fitted(given)) for given in everything()]
 
     def rows(self) -> str:
-        """Return a table: the degree that was found, what it is like, and what it is like away from the data."""
+        """Return a table of the fits: degree, closeness at the data, and stray parts away from the data."""
         heads = ["set", "points", "degree", "coefficients", "stop", "D_dist", "D_smooth", "stray", "pieces", "bounded"]
         return table(heads, [self._row(*pair) for pair in self.fits])
 
     def figure(self) -> Figure:
-        """Return every fit, with the parts of its zero set that lie away from the points in red."""
+        """Return the figure of all fits; parts of a zero set that lie away from the points are red."""
         height = -(-len(self.fits) // PER_ROW)
         picture, axes = new(height, PER_ROW, 2.0)
         for axis in axes[len(self.fits) :]:

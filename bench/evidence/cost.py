@@ -1,4 +1,4 @@
-"""The cost of incremental against repeated solves: nothing is timed but the solves, on a system that is at hand."""
+"""The cost of incremental solves beside that of repeated ones. Only the solves are timed, not the making of M."""
 
 from collections.abc import Callable, Iterable
 from itertools import pairwise
@@ -24,7 +24,7 @@ C = 0.05
 
 
 class System:
-    """The 3L system M a = b of a set up to a degree, in monomials of the frame, with all columns at hand."""
+    """The 3L system M a = b of a set up to a degree, in monomials of the frame, with all columns in memory."""
 
     def __init__(self, given: PointSet, degree: int) -> None:
         """Fill M (rows, m) and b."""
@@ -38,12 +38,12 @@ class System:
         self.forms = [0, *(graded.count(d, n) for n in range(degree + 1))]
 
     def at_every_column(self) -> None:
-        """Solve anew for α = 1, 2, …, by LAPACK's QR with pivoting."""
+        """Solve from scratch for α = 1, 2, …, by LAPACK's QR with pivoting."""
         for alpha in range(1, self.M.shape[1] + 1):
             lstsq(self.M[:, :alpha], self.b, lapack_driver="gelsy", check_finite=False)
 
     def at_every_degree(self) -> None:
-        """Solve anew for every complete degree."""
+        """Solve from scratch for every complete degree."""
         for end in self.forms[1:]:
             lstsq(self.M[:, :end], self.b, lapack_driver="gelsy", check_finite=False)
 
@@ -72,7 +72,7 @@ def seconds(run: Callable[[], None]) -> float:
 
 
 def rows() -> str:
-    """Return the four ways side by side, the fastest last, with how much slower the others are."""
+    """Return a table of the four methods, with the time of each and its ratio to the last one."""
     heads = [
         "set",
         "rows × columns",
@@ -84,8 +84,8 @@ def rows() -> str:
     lines = []
     for name, degree in CASES:
         system = System(load(name).sample(2000), degree)
-        ways = (system.at_every_column, system.at_every_degree, system.by_columns, system.by_forms)
-        taken = [seconds(way) for way in ways]
+        methods = (system.at_every_column, system.at_every_degree, system.by_columns, system.by_forms)
+        taken = [seconds(method) for method in methods]
         cells = [f"{1e3 * t:.1f} ms ({t / taken[-1]:.1f} ×)" for t in taken[:-1]] + [f"{1e3 * taken[-1]:.1f} ms"]
         lines.append([f"{name}, degree {degree}", f"{system.M.shape[0]} × {system.M.shape[1]}", *cells])
     return table(heads, lines)

@@ -19,7 +19,7 @@ FIXED = (2, 4)
 
 
 def comparison() -> str:
-    """Return, by family, how close each choice of degree comes to the sets, and how often that is close enough."""
+    """Return a table: for each family, D_dist at each choice of degree, and for how many sets it is close enough."""
     sets = everything()
     heads = ["constraints", *(f"degree {n}: D_dist" for n in FIXED), *(f"{n}: good enough" for n in FIXED)]
     heads += ["adaptive: D_dist", "D_smooth", "stray", "degree 2D", "degree 3D", "stopped by the rule", "seconds"]
@@ -55,7 +55,7 @@ def marks() -> str:
 
 
 def mark(fixed: ipcore.FitResult, own: ipcore.FitResult) -> str:
-    """Return how a fixed degree does beside the one that the search found."""
+    """Return the paper's mark of a fit of fixed degree, compared with the fit `own` of the degree that was found."""
     if fixed.degree > own.degree:
         return "‡"
     return "*" if close(fixed) else "†"
@@ -67,7 +67,7 @@ def close(fit: ipcore.FitResult) -> bool:
 
 
 def figure() -> Figure:
-    """Return six sets: degree 2, degree 4, and the adaptive degree."""
+    """Return the figure of six sets, fitted with degree 2, with degree 4, and with the degree that was found."""
     picture, axes = new(len(FIXED) + 1, len(SHOWN), 2.0)
     for column, name in enumerate(SHOWN):
         given = load(name)

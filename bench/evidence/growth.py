@@ -14,7 +14,7 @@ SNAPSHOTS = (4, 6, 8)
 
 
 def rows() -> str:
-    """Return a table: where the column-wise search stopped, and how far eq. (5) had lost orthogonality by then."""
+    """Return a table: where the search by columns stopped, and the loss of orthogonality of eq. (5) there."""
     lines = []
     for name in NAMES:
         given = load(name)
@@ -32,7 +32,7 @@ def stop(fit: ipcore.FitResult) -> list[str]:
 
 
 def figure() -> Figure:
-    """Return the two measures against α, and the fit at three degrees."""
+    """Return the figure of D_dist and D_smooth over α, and of the fit at three degrees."""
     given = load(SHOWN)
     paper = fitted(given, preset="paper", criterion="none", max_degree=14)
     stable = fitted(given, preset="paper", criterion="none", max_degree=14, factor="block")

@@ -1,4 +1,4 @@
-"""Fig. 1: over-fitting at a high degree, and what full and selective ridge regression make of it."""
+"""Fig. 1: over-fitting at a high degree, and the effect of full and of selective ridge regression."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -26,11 +26,11 @@ VARIANTS: tuple[tuple[str, dict[str, Any]], ...] = (
         for k in (1e-4, 1e-2)
     ),
 )
-CALM: dict[str, Any] = {"ridge": "full", "ridge_strength": 1e-3}
+PICTURED_RIDGE: dict[str, Any] = {"ridge": "full", "ridge_strength": 1e-3}
 
 
 def rows() -> str:
-    """Return what each ridge does to closeness, to what is stray, and to the condition."""
+    """Return a table of the effect of each ridge on closeness, stray share and condition."""
     heads = ["set", "degree", "ridge", "D_dist", "D_smooth", "stray", "pieces", "ridged", "condition", "max/min rᵢᵢ"]
     lines = []
     for name in (OUTLINE, SURFACE):
@@ -54,7 +54,7 @@ def _measures(fit: ipcore.FitResult) -> Iterator[str]:
 
 
 def figure() -> Figure:
-    """Return rising degrees without ridge, and the higher ones with it."""
+    """Return the figure: rising degrees without ridge, then the higher ones with ridge."""
     panels = [(name, degree, options) for name in (OUTLINE, SURFACE) for degree, options in _panels(name)]
     picture, axes = new(2, len(panels) // 2, 2.0)
     for axis, (name, degree, options) in zip(axes, panels, strict=True):
@@ -68,7 +68,7 @@ def figure() -> Figure:
 def _panels(name: str) -> Iterator[tuple[int, dict[str, Any]]]:
     degrees = DEGREES[load(name).dimension][-3:]
     yield from ((degree, {}) for degree in degrees)
-    yield from ((degree, CALM) for degree in degrees[1:])
+    yield from ((degree, PICTURED_RIDGE) for degree in degrees[1:])
 
 
 def _at(given: PointSet, degree: int, options: dict[str, Any]) -> ipcore.FitResult:

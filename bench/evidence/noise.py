@@ -1,4 +1,4 @@
-"""Which criterion to use when: points moved by noise, the fit judged at the points as they were."""
+"""Which criterion to use when: fits of points with noise, measured at the points without noise."""
 
 from collections.abc import Iterator
 from statistics import mean
@@ -24,17 +24,17 @@ COLOURS = dict(
 
 
 def options(criterion: str, sigma: float) -> dict[str, Any]:
-    """Return the options that a row of the table stands for."""
+    """Return the fit options of a criterion (a name in `CRITERIA`) at a noise level."""
     if criterion in {RAISED, QUIET}:
         return {"t1": max(sigma, 0.01), "geometric": criterion == QUIET}
     return {"criterion": criterion}
 
 
 class Noise:
-    """Every criterion on every set at every noise."""
+    """The fits of every set at every noise level, by every criterion."""
 
     def __init__(self, points: int = 1500) -> None:
-        """Fit them all; normals are the sets' own, as a scanner would give them."""
+        """Make all fits. The normals are those without noise."""
         self._sets = [given.sample(points) for given in everything()]
         self.fits = {
             (sigma, criterion): [fitted(given.noisy(sigma), **options(criterion, sigma)) for given in self._sets]
@@ -44,20 +44,20 @@ class Noise:
         self.best = {sigma: [self._best(given, sigma) for given in self._sets] for sigma in SIGMAS}
 
     def errors(self, sigma: float, criterion: str) -> list[float]:
-        """Return the mean distance of each set's own points from its fit, in mean radii."""
+        """Return, for each set, the mean distance of its points without noise from the fit, in mean radii."""
         if criterion == "best":
             return self.best[sigma]
         pairs = zip(self._sets, self.fits[sigma, criterion], strict=True)
         return [closeness(fit.polynomial, given)[0] for given, fit in pairs]
 
     def rows(self) -> str:
-        """Return, by noise and criterion, the true error, the degrees, and what ended the searches."""
+        """Return a table by noise and criterion: true error, degrees, and how many searches reached the last degree."""
         heads = ["σ", "criterion", "true error 2D", "3D", "worst", "D_smooth", "degree 2D", "3D", "stray", "at the cap"]
         lines = [list(self._row(sigma, criterion)) for sigma in SIGMAS for criterion in (*CRITERIA, "best")]
         return table(heads, lines)
 
     def figure(self) -> Figure:
-        """Return the true error against the noise, 2D and 3D."""
+        """Return the figure of the true error over the noise, in 2D and in 3D."""
         picture, axes = new(1, 2, 3.2)
         for axis, d in zip(axes, (2, 3), strict=True):
             for criterion in (*CRITERIA, "best"):
@@ -90,7 +90,7 @@ class Noise:
 
     @staticmethod
     def _best(given: PointSet, sigma: float) -> float:
-        """Return the least true error of any degree: what no criterion can beat."""
+        """Return the least true error of any degree, which no criterion can improve on."""
         noisy = given.noisy(sigma)
         plain = {"measure_zero_set": False, "criterion": "none"}
         degrees = range(1, CAP[given.dimension] + 1)

@@ -23,7 +23,7 @@ def new(height: int, width: int, size: float) -> tuple[Figure, list[Axes]]:
 
 
 def outline(axis: Axes, given: PointSet, polynomial: ipcore.ImplicitPolynomial) -> None:
-    """Draw an outline, and all of the zero set in the bounds: what lies away from the points in another colour."""
+    """Draw the points of an outline and the whole zero set within the bounds; its stray parts have another colour."""
     axis.plot(*given.points.T, ".", ms=1.2, color=DATA)
     for restrict, colour in ((False, STRAY), (True, FIT)):
         curve = ipcore.zero_set(polynomial, resolution=240, data=given.points, restrict=restrict, cap=False)
@@ -32,7 +32,7 @@ def outline(axis: Axes, given: PointSet, polynomial: ipcore.ImplicitPolynomial) 
 
 
 def surface(axis: Axes, given: PointSet, polynomial: ipcore.ImplicitPolynomial, *, whole: bool = True) -> None:
-    """Draw the zero set of a surface from the front right: what is away from the points in another colour."""
+    """Draw the zero set of a surface, seen from the front right; its stray parts have another colour."""
     mesh = ipcore.zero_set(polynomial, resolution=72, data=given.points, restrict=not whole, cap=False)
     near = ipcore.zero_set(polynomial, resolution=72, data=given.points, restrict=True, cap=False)
     view = rotation(np.ptp(given.points, axis=0))
@@ -64,7 +64,7 @@ def rotation(extent: FloatArray) -> FloatArray:
 
 
 def frame(axis: Axes, box: FloatArray) -> None:
-    """Show a box (2, 2), with equal units and nothing round it."""
+    """Set the limits of the axes to a box (2, 2), with equal units and without ticks."""
     axis.set_xlim(box[0, 0], box[1, 0])
     axis.set_ylim(box[0, 1], box[1, 1])
     axis.set_aspect("equal")

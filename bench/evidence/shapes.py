@@ -1,4 +1,4 @@
-"""What all studies share: the sets, and the plain linear fit of the paper's family."""
+"""The sets and the linear fit that all studies share."""
 
 from typing import Any
 
@@ -21,12 +21,12 @@ CAP = {2: 18, 3: 12}
 
 
 def everything() -> list[PointSet]:
-    """Return the outlines, then the surfaces, the large ones sampled."""
+    """Return the outlines, then the surfaces; surfaces are sampled to `SURFACE_POINTS`."""
     return [load(name).sample(SURFACE_POINTS) for name in (*OUTLINES, *SURFACES)]
 
 
 def fitted(given: PointSet, **options: Any) -> ipcore.FitResult:  # noqa: ANN401 - whatever `FitOptions.of` takes
-    """Return the adaptive linear fit of a set, to the cap of its dimension unless said."""
+    """Return the adaptive linear fit of a set, up to the degree `CAP` of its dimension unless options say otherwise."""
     chosen = ipcore.FitOptions.of(**{"max_degree": CAP[given.dimension], "geometric": False, **options})
     return ipcore.fit(given.points, given.normals, chosen)
 

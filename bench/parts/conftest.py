@@ -1,4 +1,4 @@
-"""What the parts share: one thread, as in a worker, and points on a torus whose truth is known in closed form."""
+"""Fixtures of the timed parts: one thread, as in a worker, and points on a torus, whose normals are known exactly."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""The options: the same in the library, over HTTP, on the command line and in the README; a wrong one is named."""
+"""The options: the same in the library, over HTTP, on the command line and in docs/options.md; a wrong one is named."""
 
 import json
 from dataclasses import fields
@@ -18,7 +18,7 @@ from service.cli.app import app
 from service.options import FitOptions, requested, table
 from tests.service.bodies import ellipse, npy, torus
 
-README = Path(__file__).parents[2] / "README.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "options.md"
 OWN = [name for name in FitOptions.model_fields if name != "preset"]
 # For each option: values out of its range, and of no meaning to it.
 WRONG: dict[str, list[Any]] = {
@@ -182,8 +182,8 @@ def test_a_contradiction_is_named_on_the_command_line(tmp_path: Path) -> None:
     assert "ridge needs a right-hand side" in done.output
 
 
-def test_the_readme_has_the_table_of_options() -> None:
-    assert table() in README.read_text(encoding="utf-8")
+def test_the_document_has_the_table_of_options() -> None:
+    assert table() in DOCUMENT.read_text(encoding="utf-8")
 
 
 def test_the_command_prints_the_table() -> None:
