@@ -22,7 +22,6 @@ from dataclasses import dataclass
 from math import comb
 
 from ipcore.geometric.fit import FEWEST_NODES, FEWEST_POINTS, NODES_PER_DEGREE, NODES_STEP, POINTS_PER_COLUMN
-from ipcore.moments import Moments
 from ipcore.options.choices import Factor, Granularity
 from ipcore.options.fit_options import FitOptions
 
@@ -122,7 +121,7 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
         rows=rows,
         held_bytes=8 * rows * columns if _holds_system(options) else 0,
         normals_bytes=0 if normals else points * (NORMALS_BYTES + NEIGHBOUR_BYTES * options.neighbours),
-        summable=normals and Moments.can_fit(options),
+        summable=normals and options.fits_from_moments,
         moment_degree=min(degree, MOMENT_DEGREE[dimension]),
         seconds=seconds,
     )
