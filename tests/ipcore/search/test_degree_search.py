@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,6 +25,14 @@ def noisy(sigma: float, count: int = 400) -> tuple[FloatArray, FloatArray, Float
     return points, points + np.random.default_rng(0).normal(scale=sigma, size=points.shape), normals
 
 
+@cache
+def least_error_of_all_degrees(sigma: float) -> float:
+    """Return the least mean distance of the clean points from any fit of the noisy ones."""
+    clean, points, normals = noisy(sigma)
+    fits = (ipcore.fit_fixed(points, normals, QUICK, degree=n).polynomial for n in range(1, 15))
+    return min(float(np.abs(fit.distance(clean)).mean()) for fit in fits)
+
+
 @pytest.mark.parametrize("criterion", ["gcv", "bic", "loo"])
 def test_on_noisy_points_a_criterion_finds_its_minimum_and_looks_a_little_further(criterion: str) -> None:
     clean, points, normals = noisy(0.03)
@@ -35,17 +44,14 @@ def test_on_noisy_points_a_criterion_finds_its_minimum_and_looks_a_little_furthe
     assert result.degree == result.steps[best].degree == result.steps[-1].degree - DEGREES_PAST_MINIMUM
     assert not any("criterion" in warning for warning in result.warnings)
     # it is close to the best that any degree could do, seen from the clean points
-    errors = [
-        np.abs(ipcore.fit_fixed(points, normals, QUICK, degree=n).polynomial.distance(clean)).mean()
-        for n in range(1, 15)
-    ]
-    assert np.abs(result.polynomial.distance(clean)).mean() < 2.0 * min(errors)
+    assert np.abs(result.polynomial.distance(clean)).mean() < 2.0 * least_error_of_all_degrees(0.03)
 
 
-def test_only_what_was_asked_for_is_computed() -> None:
+def test_only_the_value_of_the_criterion_is_computed_beside_gcv() -> None:
     _, points, normals = noisy(0.03)
     for criterion in ("distance", "gcv", "bic", "loo"):
-        step = ipcore.fit(points, normals, FitOptions.of(criterion=criterion, measure_zero_set=False)).steps[-1]
+        options = FitOptions.of(criterion=criterion, geometric=False, max_degree=3, measure_zero_set=False)
+        step = ipcore.fit(points, normals, options).steps[-1]
         assert (step.bic is not None) == (criterion == "bic")
         assert (step.loo is not None) == (criterion == "loo")
 
@@ -177,3 +183,63 @@ def test_it_is_told_whether_the_zero_set_is_bounded() -> None:
     assert ellipse.diagnostics.bounded is True
     cubic = ipcore.fit(*shapes.cubic().sample(300), FitOptions(measure_zero_set=False, t1=1e-9, max_degree=3))
     assert cubic.diagnostics.bounded is False
+
+
+def steps_without_time(result: ipcore.FitResult) -> list[ipcore.Step]:
+    return [replace(step, seconds=0.0) for step in result.steps]
+
+
+def test_measuring_all_degrees_in_one_pass_changes_nothing() -> None:
+    points, normals = shapes.superellipse().sample(300)
+    options = FitOptions.of(criterion="none", max_degree=6, geometric=False, measure_zero_set=False)
+    together = ipcore.fit(points, normals, options)
+    one_by_one = ipcore.fit(points, normals, options, progress=lambda _: None)
+    assert [step.degree for step in together.steps] == [1, 2, 3, 4, 5, 6]
+    for one, other in zip(steps_without_time(together), steps_without_time(one_by_one), strict=True):
+        assert one.d_dist == pytest.approx(other.d_dist, rel=1e-12)
+        assert replace(one, d_dist=0.0, d_smooth=0.0) == replace(other, d_dist=0.0, d_smooth=0.0)
+
+
+class Undetermined:
+    """Fits linearly up to some number of columns."""
+
+    def __init__(self, data: OrientedPoints, options: FitOptions, most: int) -> None:
+        self._fitter, self._most = choose_linear_fitter(data, options, 6), most
+
+    def raise_to(self, alpha: int) -> PrefixFit | None:
+        return self._fitter.raise_to(alpha) if alpha <= self._most else None
+
+    def orthogonality_loss(self, columns: int) -> float | None:
+        return self._fitter.orthogonality_loss(columns)
+
+
+@pytest.mark.parametrize("criterion", ["distance", "none"])
+def test_columns_that_are_not_determined_end_the_search_with_the_best_fit_before_them(criterion: str) -> None:
+    points, normals = shapes.superellipse().sample(200)
+    data = OrientedPoints.of(check_points(points, normals), 12)
+    options = FitOptions.of(criterion=criterion, geometric=False, t1=0.0)
+    search = DegreeSearch(data, options, Undetermined(data, options, 10), stopping_criterion(options))
+    best, reason = search.run([3, 6, 10, 15, 21], None)
+    assert reason is StopReason.ILL_CONDITIONED
+    assert [step.degree for step in search.steps] == [1, 2, 3]
+    expected = search.steps[-1] if criterion == "none" else min(search.steps, key=lambda step: step.d_dist)
+    assert best.step == expected
+
+
+def test_points_on_a_plane_are_planar_whatever_the_criterion() -> None:
+    flat = np.random.default_rng(0).uniform(-1.0, 1.0, (60, 3)) * [1.0, 1.0, 0.0]
+    options = FitOptions.of(criterion="bic", measure_zero_set=False)
+    result = ipcore.fit(flat, np.tile([0.0, 0.0, 1.0], (60, 1)), options)
+    assert result.stop_reason is StopReason.PLANAR
+    assert result.steps[0].bic is not None
+
+
+def test_a_fit_of_a_fixed_degree_reports_its_progress_and_does_not_depend_on_threads() -> None:
+    points, normals = shapes.torus().sample(3000)
+    seen: list[ipcore.Step] = []
+    one, two = (
+        ipcore.fit_fixed(points, normals, QUICK, degree=4, method="3l", progress=seen.append, threads=threads)
+        for threads in (1, 2)
+    )
+    assert tuple(seen) == one.steps + two.steps
+    np.testing.assert_allclose(one.polynomial.coefficients, two.polynomial.coefficients, rtol=1e-9, atol=1e-12)
