@@ -87,8 +87,8 @@ def test_where_the_condition_is_too_bad_the_rows_themselves_are_factored() -> No
             factored.append(fit.condition)
         elif "residuals" in Watched.passes:
             refined.append(fit.condition)
-    assert len(refined) == 1  # with all degrees above it that the triangle has
-    assert len(factored) == 1  # from then on it is there
+    assert len(refined) == 1  # with all higher degrees that R has
+    assert len(factored) == 1  # from then on R comes from the rows
     assert MAX_UNCORRECTED_CONDITION < refined[0] < MAX_CONDITION_WITH_ROWS < factored[0]
 
 
@@ -124,7 +124,7 @@ def test_rows_of_gradients_are_factored_in_chunks_too(constraints: str) -> None:
         assert a.d_dist == pytest.approx(b.d_dist, rel=1e-10)
 
 
-def test_columns_that_layers_of_an_algebraic_shape_explain_are_left_out() -> None:
+def test_columns_that_are_collinear_on_layers_of_an_algebraic_shape_are_left_out() -> None:
     points, normals = shapes.sphere().sample(6000)  # three spheres: degree 6 vanishes on all of them
     for factor in ("moments", "tsqr"):
         result = fitted(points, normals, factor, max_degree=7)
@@ -139,7 +139,7 @@ def test_threads_change_nothing() -> None:
     np.testing.assert_allclose(one.polynomial.coefficients, two.polynomial.coefficients, rtol=1e-9, atol=1e-12)
 
 
-def test_what_needs_rows_is_refused_with_its_reason() -> None:
+def test_options_that_need_all_rows_are_refused_with_the_reason() -> None:
     with pytest.raises(InvalidOptionsError, match="criterion loo needs the rows that factor tsqr does not keep"):
         FitOptions.of(factor="tsqr", criterion="loo")
     with pytest.raises(InvalidOptionsError, match="constraints min-max needs the rows"):

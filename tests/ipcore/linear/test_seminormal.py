@@ -30,8 +30,8 @@ class DenseRows:
 
     def normal_residuals(
         self,
-        degree: int,
-        A: FloatArray,  # noqa: ARG002 - one degree
+        degree: int,  # noqa: ARG002 - all rows have the same degree
+        A: FloatArray,
     ) -> tuple[FloatArray, FloatArray]:
         self.passes += 1
         residuals = self.b[:, None] - self.M @ A

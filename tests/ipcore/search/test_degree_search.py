@@ -34,7 +34,7 @@ def least_error_of_all_degrees(sigma: float) -> float:
 
 
 @pytest.mark.parametrize("criterion", ["gcv", "bic", "loo"])
-def test_on_noisy_points_a_criterion_finds_its_minimum_and_looks_a_little_further(criterion: str) -> None:
+def test_on_noisy_points_a_criterion_finds_its_minimum_and_tries_some_degrees_more(criterion: str) -> None:
     clean, points, normals = noisy(0.03)
     options = FitOptions.of(criterion=criterion, measure_zero_set=False)
     result = ipcore.fit(points, normals, options)
@@ -87,7 +87,7 @@ def test_a_fixed_degree_is_what_the_search_has_at_that_degree(family: Constraint
     assert step.rss == pytest.approx(same.rss, rel=1e-8)
 
 
-def test_a_fixed_degree_is_refused_when_it_cannot_be() -> None:
+def test_a_fixed_degree_out_of_range_is_refused() -> None:
     points, normals = shapes.circle().sample(20)
     for degree, reason in ((0, "from 1 to 40"), (41, "from 1 to 40"), (5, "21 coefficients, more than 20 points")):
         with pytest.raises(InvalidOptionsError, match=reason) as caught:
@@ -97,7 +97,7 @@ def test_a_fixed_degree_is_refused_when_it_cannot_be() -> None:
         ipcore.fit_fixed(points, normals, degree=2, method="2l")
 
 
-def test_ridge_and_monomials_can_be_had_in_the_chebyshev_basis() -> None:
+def test_a_ridged_fit_can_be_returned_in_the_chebyshev_basis() -> None:
     points, normals = shapes.torus().sample(800)
     both = [
         ipcore.fit_fixed(
@@ -110,7 +110,7 @@ def test_ridge_and_monomials_can_be_had_in_the_chebyshev_basis() -> None:
     np.testing.assert_allclose(both[0](x), both[1](x), atol=1e-12)
 
 
-def test_a_search_needs_somewhere_to_look() -> None:
+def test_a_search_without_a_number_of_columns_is_an_error() -> None:
     options = FitOptions()
     data = OrientedPoints.of(check_points(*shapes.circle().sample(20)), 12)
     search = DegreeSearch(data, options, choose_linear_fitter(data, options, 1), stopping_criterion(options))
@@ -118,12 +118,12 @@ def test_a_search_needs_somewhere_to_look() -> None:
         search.run([], None)
 
 
-def test_a_way_to_fit_can_be_plugged_in() -> None:
+def test_another_method_of_fitting_can_be_plugged_in() -> None:
     points, normals = shapes.ellipse().sample(200)
     data = OrientedPoints.of(check_points(points, normals), 12)
 
     class Halved:
-        """Fits linearly, then makes something else of it, as a refinement does: the same zero set from f/2."""
+        """Fits linearly, and returns f/2, which has the same zero set."""
 
         def __init__(self) -> None:
             self._linear = choose_linear_fitter(data, FitOptions(), 4)
@@ -155,7 +155,7 @@ def test_when_every_column_counts_as_collinear_nothing_is_fitted(family: Constra
     assert result.steps[-1].dropped >= 9
 
 
-def test_stops_are_complete_forms_or_columns() -> None:
+def test_column_counts_are_those_of_complete_forms_or_all() -> None:
     assert list(column_counts(3, 4, ipcore.Granularity.FORM)) == [4, 10, 20, 35]
     assert list(column_counts(3, 2, ipcore.Granularity.MONOMIAL)) == list(range(2, 11))
     assert [graded.degree_of(3, alpha) for alpha in (1, 4, 5, 10, 11)] == [0, 1, 2, 2, 3]
@@ -178,7 +178,7 @@ def test_points_on_a_plane_end_at_degree_one(preset: str) -> None:
     assert np.abs(result.polynomial.distance(flat)).max() < 1e-9
 
 
-def test_it_is_told_whether_the_zero_set_is_bounded() -> None:
+def test_the_result_says_whether_the_zero_set_is_bounded() -> None:
     ellipse = ipcore.fit(*shapes.ellipse().sample(300), QUICK)
     assert ellipse.diagnostics.bounded is True
     cubic = ipcore.fit(*shapes.cubic().sample(300), FitOptions(measure_zero_set=False, t1=1e-9, max_degree=3))
