@@ -5,6 +5,7 @@ import pytest
 
 from ipcore import Constraints, FitOptions, fit_fixed, shapes
 from ipcore.points.oriented import PART, OrientedPoints
+from ipcore.points.stream import PointStream
 from ipcore.points.validation import check
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
@@ -77,3 +78,18 @@ def test_a_circle_delivered_with_another_radius_has_moved_by_the_difference(shif
     # f moves by 2 (0.9 r) shift − shift² everywhere, and ‖∇f‖ = 2 r
     expected = 0.9 * shift - shift**2 / (2.0 * r)
     assert delivery_shift(fitted, moved.to_chebyshev(), centred) == pytest.approx(expected, rel=1e-6)
+
+
+def test_of_a_stream_every_point_counts_unless_there_are_weights() -> None:
+    angle = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, 60_000)  # a stream holds a sample of 50,000
+    normals = np.column_stack([np.cos(angle), np.sin(angle)])
+    points = normals * np.random.default_rng(1).uniform(0.9, 1.1, (60_000, 1))
+    stream = OrientedPoints.of(PointStream.of(points, normals), 12)
+    f = stream.polynomial(2, np.array([-1.0, 0.0, 0.0, 1.0, 0.0, 1.0]), Basis.MONOMIAL)
+    every = stream.frame.to_local(points)
+    distances, _ = distances_and_cosines(*f.value_and_gradient(every), normals)
+    assert closeness(f, stream).d_dist == pytest.approx(distances.mean(), rel=1e-10)
+    assert closeness(f, stream).max_distance == pytest.approx(distances.max(), rel=1e-10)
+    held, _ = distances_and_cosines(*f.value_and_gradient(stream.points), stream.normals)
+    weights = np.linspace(0.0, 1.0, len(held))
+    assert closeness(f, stream, weights).d_dist == pytest.approx(np.average(held, weights=weights), rel=1e-10)
