@@ -14,7 +14,7 @@ from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
 from ipcore.search.degree_search import DegreeSearch, column_counts
 from ipcore.search.fitter import PrefixFit
-from ipcore.search.stopping import DEGREES_PAST_MINIMUM, stopping_criterion
+from ipcore.search.stopping import DEGREES_PAST_MINIMUM, LastDegree, stopping_criterion
 
 QUICK = FitOptions(measure_zero_set=False)
 
@@ -243,3 +243,18 @@ def test_a_fit_of_a_fixed_degree_reports_its_progress_and_does_not_depend_on_thr
     )
     assert tuple(seen) == one.steps + two.steps
     np.testing.assert_allclose(one.polynomial.coefficients, two.polynomial.coefficients, rtol=1e-9, atol=1e-12)
+
+
+class Indifferent(LastDegree):
+    """Takes all fits to be equally good."""
+
+    def score(self, step: ipcore.Step) -> float:  # noqa: ARG002 - that is the point
+        return 0.0
+
+
+def test_of_fits_that_are_equally_good_the_lowest_degree_is_returned() -> None:
+    data = OrientedPoints.of(check_points(*shapes.superellipse().sample(100)), 12)
+    options = FitOptions.of(geometric=False)
+    criterion = Indifferent(stopping_criterion(options).rule)
+    best, _ = DegreeSearch(data, options, choose_linear_fitter(data, options, 4), criterion).run([3, 6, 10, 15], None)
+    assert best.step.degree == 1
