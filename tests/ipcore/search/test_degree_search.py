@@ -1,5 +1,6 @@
 from dataclasses import replace
 from functools import cache
+from itertools import count
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from ipcore.fitting import choose_linear_fitter
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
+from ipcore.search import degree_search
 from ipcore.search.degree_search import DegreeSearch, column_counts
 from ipcore.search.fitter import PrefixFit
 from ipcore.search.stopping import DEGREES_PAST_MINIMUM, LastDegree, stopping_criterion
@@ -258,3 +260,12 @@ def test_of_fits_that_are_equally_good_the_lowest_degree_is_returned() -> None:
     criterion = Indifferent(stopping_criterion(options).rule)
     best, _ = DegreeSearch(data, options, choose_linear_fitter(data, options, 4), criterion).run([3, 6, 10, 15], None)
     assert best.step.degree == 1
+
+
+def test_the_time_of_measuring_several_fits_at_once_is_shared_among_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticks = count()
+    monkeypatch.setattr(degree_search, "perf_counter", lambda: float(next(ticks)))
+    points, normals = shapes.superellipse().sample(100)
+    options = FitOptions.of(criterion="none", max_degree=4, geometric=False, measure_zero_set=False)
+    steps = ipcore.fit(points, normals, options).steps
+    assert [step.seconds for step in steps] == [1.25] * 4  # a tick for each fit, and a quarter of one for the pass
