@@ -1,8 +1,10 @@
 import numpy as np
+import pytest
 
-from ipcore.geometric.cuts import cuts
-from ipcore.geometric.inside_outside import InsideOutside
-from ipcore.geometric.violations import ViolationGrid
+from ipcore._typing import BoolArray, FloatArray
+from ipcore.geometric.cuts import CUT_SLOPE, LARGEST_CUT_MARGIN, UNKNOWN_SIDE_MARGIN, cuts
+from ipcore.geometric.inside_outside import BLIND_RADII, InsideOutside
+from ipcore.geometric.violations import ViolationGrid, Violations
 from tests.ipcore.geometric.circles import BOUNDS, CIRCLE, multiplied, tensor_of, unit_circle
 
 
@@ -69,3 +71,78 @@ def test_a_part_cut_off_is_joined() -> None:
     bridge = np.abs(1.3 * added.t).max(axis=1) < 0.05
     assert bridge.any()
     assert (added.side[bridge] == -1.0).all()
+
+
+def distances(count: int) -> tuple[ViolationGrid, FloatArray]:
+    """Return a grid, and at its nodes the signed distance from the unit circle."""
+    grid = ViolationGrid(unit_circle(), BOUNDS, count)
+    x = 1.3 * grid.lines
+    return grid, np.hypot(x[:, None], x[None, :]) - 1.0
+
+
+def violations(
+    f: FloatArray,
+    minor: BoolArray,
+    suspect: BoolArray,
+    subgrid: FloatArray | None = None,
+    values: FloatArray | None = None,
+) -> Violations:
+    empty = np.zeros((0, 2))
+    return Violations(
+        f, minor, suspect, empty if subgrid is None else subgrid, np.zeros(0) if values is None else values, 2, 0.0
+    )
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_region_within_the_blind_radius_gets_the_other_sign(side: float) -> None:
+    grid, f = distances(401)
+    x = 1.3 * grid.lines
+    beside = (side * f > 0.2 * BLIND_RADII) & (side * f < 0.9 * BLIND_RADII) & (x[:, None] > 0.0) & (np.abs(x) < 0.05)
+    assert beside.sum() > 5
+    f[beside] *= -1.0
+    added = cuts(violations(f, beside, beside), grid, unit_circle())
+    assert added is not None
+    first = slice(0, int(beside.sum()))
+    assert (added.side[first] == side).all()
+    assert (added.margin[first] == UNKNOWN_SIDE_MARGIN).all()
+    np.testing.assert_array_equal(added.t[first], grid.places(beside))
+
+
+def test_components_between_nodes_get_the_known_side_or_that_of_the_nodes_around() -> None:
+    grid, f = distances(101)
+    none = np.zeros(f.shape, dtype=np.bool_)
+    places = np.array([[0.0, 0.0], [0.1, 0.0], [0.9, 0.9], [1.0 / 1.3, 0.0], [0.0, -1.0 / 1.3]])
+    values = np.array([0.01, -0.01, -0.01, -0.01, 0.01])  # wrong inside, right inside, wrong outside, twice on the data
+    added = cuts(violations(f, none, none, places, values), grid, unit_circle())
+    assert added is not None
+    np.testing.assert_array_equal(added.t, places[[0, 2, 3, 4]])
+    assert added.side.tolist() == [-1.0, 1.0, 1.0, -1.0]
+    assert (added.margin == UNKNOWN_SIDE_MARGIN).all()
+
+
+def test_nodes_around_a_suspect_get_the_margin_that_grows_with_distance() -> None:
+    grid, f = distances(101)
+    wrong = np.zeros(f.shape, dtype=np.bool_)
+    wrong[50, 91] = (
+        True  # at (0, 1.066); the nearest node that is examined with it is at 1.014, within the blind radius
+    )
+    f = np.where(f > 0.0, 0.3 * CUT_SLOPE * f, f)  # outside the right sign, but with too little margin
+    f[wrong] = -1.0
+    sides = unit_circle()
+    added = cuts(violations(f, np.zeros_like(wrong), wrong), grid, sides)
+    assert added is not None
+    assert len(added.t) == 12  # all within two steps, but for that one
+    distance = sides.classify(grid.local(added.t)).distance
+    np.testing.assert_array_equal(added.margin, np.minimum(CUT_SLOPE * distance, LARGEST_CUT_MARGIN))
+    assert added.margin.min() < 0.6 * LARGEST_CUT_MARGIN
+    assert (added.side == 1.0).all()
+
+
+def test_nodes_with_enough_margin_get_no_cut() -> None:
+    grid, f = distances(101)
+    wrong = np.zeros(f.shape, dtype=np.bool_)
+    wrong[50, 97] = True
+    f[wrong] = -1.0
+    added = cuts(violations(f, np.zeros_like(wrong), wrong), grid, unit_circle())
+    assert added is not None
+    np.testing.assert_array_equal(added.t, grid.places(wrong))

@@ -56,6 +56,24 @@ def test_it_ends_after_as_many_small_gains_in_succession_as_it_has_patience(pati
     assert fit.steps == patience
 
 
+class Scripted:
+    """An objective whose values are given in advance, one for each evaluation."""
+
+    def __init__(self, *values: float) -> None:
+        self._values = iter(values)
+
+    def evaluate(self, a: FloatArray) -> Evaluation:
+        return Evaluation(a, a, a, [], next(self._values))
+
+    def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
+        return np.eye(len(evaluation.size)), np.ones(len(evaluation.size))
+
+
+def test_a_large_gain_renews_the_patience() -> None:
+    fit = refine(Scripted(100.0, 99.0, 50.0, 49.5, 20.0, 19.9, 19.8), np.zeros(1), Effort(100, 0.1, 2))
+    assert (fit.steps, fit.evaluation.value) == (6, 19.8)
+
+
 def test_at_the_minimum_nothing_moves() -> None:
     fit = refine(Valley(), np.array([1.0, 1.0]), Effort(10, 1e-3, 1))
     assert fit.coefficients.tolist() == [1.0, 1.0]

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from ipcore import shapes
-from ipcore.geometric.inside_outside import InsideOutside
-from ipcore.geometric.sign_constraints import BOUNDS_GROWTH, SignNodes, SignPoints, lobatto
+from ipcore.geometric.inside_outside import Classification, InsideOutside
+from ipcore.geometric.sign_constraints import BOUNDS_GROWTH, SignNodes, SignPoints, lobatto, margin
 from ipcore.polynomial import evaluation, graded, gram, univariate
 from ipcore.polynomial.univariate import Basis
 
@@ -63,6 +63,18 @@ def test_the_shape_itself_falls_short_nowhere() -> None:
     assert grid.shortfall(tensor).max() == 0.0
     assert grid.shortfall(-tensor).max() > 0.1
     assert grid.unsure < 0.01
+
+
+def test_the_margin_grows_from_half_the_blind_radius_on() -> None:
+    distance, blind_radius = np.array([0.02, 0.05, 0.11, 0.25]), np.array([0.02, 0.02, 0.02, 0.0])
+    found = margin(Classification(distance, blind_radius, np.ones(4)))
+    np.testing.assert_allclose(found, [0.005, 0.02, 0.05, 0.05], rtol=1e-14)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_weight_is_that_of_all_nodes_together(d: int) -> None:
+    grid = nodes(d)
+    assert grid.cost(np.ones(grid.side.shape)) == pytest.approx(10.0, rel=1e-12)
 
 
 def test_what_stays_wrong_gets_more_weight() -> None:

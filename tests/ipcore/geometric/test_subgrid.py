@@ -39,6 +39,22 @@ def test_a_ball_between_the_nodes_is_found_at_its_centre(d: int, sign: float) ->
     np.testing.assert_allclose(values, [-sign * 0.02**2], atol=1e-14)
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_tilted_ellipsoid_between_the_nodes_is_found_at_its_centre(d: int) -> None:
+    lines = np.linspace(-1.0, 1.0, 21)
+    centre = np.array([0.33, -0.27, 0.14][:d])
+    a = tensor(centre, 0.02)
+    one, other = centre[:2]
+    a[(1, 1) + (0,) * (d - 2)] += 1.2  # 1.2 (x − x₀)(y − y₀), which leaves the quadratic form definite
+    a[(1,) + (0,) * (d - 1)] -= 1.2 * other
+    a[(0, 1) + (0,) * (d - 2)] -= 1.2 * one
+    a[(0,) * d] += 1.2 * one * other
+    f = on_grid(a, lines)
+    t, values = subgrid_components(a, lines, f, np.zeros(f.shape, dtype=np.bool_))
+    np.testing.assert_allclose(t, [centre], atol=1e-13)
+    np.testing.assert_allclose(values, [-(0.02**2)], atol=1e-14)
+
+
 def test_a_minimum_that_does_not_reach_zero_is_none() -> None:
     lines = np.linspace(-1.0, 1.0, 21)
     a = tensor(np.array([0.33, -0.27]), 0.0)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.points.normals import NormalSource, _spanning_forest, _weights, estimate_normals, orient
-from ipcore.points.outline import is_outline, outline_normals
+from ipcore.points.outline import _is_closed, is_outline, outline_normals
 from ipcore.points.winding import self_check
 
 
@@ -339,3 +339,12 @@ def test_orient_says_what_it_did() -> None:
     assert source is NormalSource.ESTIMATED
     assert cosine(found, true).min() > 0.99
     assert orient(sphere(50))[1] is NormalSource.ESTIMATED
+
+
+def test_a_curve_is_closed_if_its_gap_is_within_a_jump_and_half_its_length() -> None:
+    triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.75**0.5]])  # the gap is 1 and half of the length too
+    bent = np.array([[0.0, 0.0], [1.0, 0.0], [1.5, 0.75**0.5]])  # the gap is √3 of a length of 2
+    assert _is_closed(triangle, 3.0)
+    assert not _is_closed(triangle, 0.9)
+    assert not _is_closed(bent, 3.0)
+    assert not _is_closed(triangle[:2], 3.0)

@@ -8,7 +8,7 @@ from ipcore._typing import FloatArray
 from ipcore.polynomial import graded
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
-from ipcore.polynomial.leading_form import is_bounded, leading_form
+from ipcore.polynomial.leading_form import _on_sphere, is_bounded, leading_form
 from ipcore.polynomial.univariate import Basis
 
 EVERY = [*shapes.CURVES, *shapes.SURFACES]
@@ -78,6 +78,26 @@ def test_a_high_degree_with_one_thin_negative_cone_is_found(degree: int) -> None
         a[graded.form(3, degree)] = radius - depth * (axis**powers).prod(axis=1) / weights
         form = ImplicitPolynomial(degree, a, Frame(np.zeros(3), 1.0), np.array([[-1.0] * 3, [1.0] * 3]))
         assert is_bounded(form) == bounded
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("length", [0.4, 1.0, 2.5])
+def test_the_gradient_on_the_sphere_is_that_of_finite_differences_and_tangential(dimension: int, length: float) -> None:
+    generator = np.random.default_rng(dimension)
+    powers = graded.exponents(dimension, 6)[graded.form(dimension, 6)]
+    coefficients, x, h = generator.normal(size=len(powers)), generator.normal(size=dimension), 1e-5
+    x *= length / np.linalg.norm(x)
+    value, gradient = _on_sphere(powers, coefficients, x)
+    assert value == pytest.approx(float((x**powers).prod(axis=1) @ coefficients) / length**6, rel=1e-12)
+    steps = h * np.eye(dimension)
+    slopes = [
+        (_on_sphere(powers, coefficients, x + e)[0] - _on_sphere(powers, coefficients, x - e)[0]) / (2.0 * h)
+        for e in steps
+    ]
+    size = float(np.linalg.norm(gradient))
+    assert size > 0.1
+    np.testing.assert_allclose(gradient, slopes, atol=1e-6 * size)  # h² times the third derivative, and ε/h
+    assert abs(float(gradient @ x)) < 1e-13 * size * length
 
 
 def _factorial(n: int) -> float:
