@@ -82,20 +82,18 @@ def curve(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray) -> t
 
 
 def supported(whole: ipcore.ZeroSet, points: ipcore.FloatArray) -> ipcore.BoolArray:
-    """Return which cells (C,) of a zero set are near the data (N, d) and hang together with what the data lie on.
+    """Return which cells (C,) of a zero set are near the data (N, d) and belong to a component that describes them.
 
-    Other branches may pass near the data, too; few of the data are nearest to them.
+    Other components may pass near the data, too; but few of the data have their nearest vertex on them.
     """
-    close, _ = cKDTree(points).query(whole.vertices[whole.cells].mean(axis=1))
-    reach = max(ipcore.support_radius(points, ipcore.Frame.of(points).scale), ipcore.gap_radius(points))
-    kept: ipcore.BoolArray = np.asarray(close <= reach)
-    if not kept.any():
-        return kept
-    label = ipcore.component_labels(whole.cells[kept], len(whole.vertices))
-    used = np.unique(whole.cells[kept])
+    near = whole.cells_near(points)
+    if not near.any():
+        return near
+    component = replace(whole, cells=whole.cells[near]).vertex_components()
+    used = np.unique(whole.cells[near])
     _, nearest = cKDTree(whole.vertices[used]).query(points)
-    held = np.bincount(label[used[nearest]], minlength=label.max() + 1) >= LEAST_SHARE * len(points)
-    return kept & held[label[whole.cells[:, 0]]]
+    describes = np.bincount(component[used[nearest]], minlength=component.max() + 1) >= LEAST_SHARE * len(points)
+    return near & describes[component[whole.cells[:, 0]]]
 
 
 def dots(at: ipcore.FloatArray, size: float, opacity: float) -> str:
