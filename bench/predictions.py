@@ -33,8 +33,8 @@ WORDS = """\
 
 `python bench/predictions.py` (`make bench-predictions`) writes this file. Each fit ran in a process of its own on one
 thread; the times are CPU seconds. The points lie on a bent circle or sphere, with noise of {noise:g} of its radius
-along the normals. The constants of `ipcore.planning` were fitted to the cases marked *yes*. *degree* is the last degree that
-was tried.
+along the normals. The constants of `ipcore.planning` were fitted to the cases marked *yes*. *degree* is the last degree
+that was tried.
 
 `ipcore.plan` predicts the time of a fit that goes on to its last degree. Predicted over measured time is
 
