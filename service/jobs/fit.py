@@ -84,6 +84,8 @@ class PointSet:
         What came along in the same body, unchecked.
     frame
         Its frame, if it has normals and is not planar: then sums over its points can be made part by part.
+    left_out
+        Points that were left out because a value of theirs was missing.
 
     """
 
@@ -92,6 +94,7 @@ class PointSet:
     points: int
     options: dict[str, Any]
     frame: Frame | None = None
+    left_out: int = 0
 
 
 @dataclass(frozen=True)
