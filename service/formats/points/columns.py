@@ -34,6 +34,7 @@ _ROLE_OF = {
     **{f"normals{i}": f"n{axis}" for i, axis in enumerate(COORDINATES)},
 }
 _UNIT = re.compile(r"[(\[].*[)\]]\s*$")
+MOST_IN_EXAMPLE = 50  # columns; more would make a message of which nothing is read
 EXAMPLES = {
     2: "x,y",
     3: "x,y,_ or columns=x,y,z",
@@ -218,5 +219,5 @@ def _advice(width: int) -> str:
     """Return what to write for `columns` with this many columns."""
     if width < 2:
         return "points need at least two columns, x and y"
-    example = EXAMPLES.get(width, ",".join((*ROLES, *["_"] * (width - 6))) if width < 12 else "x,y,z,_,…")
+    example = EXAMPLES.get(width, ",".join((*ROLES, *[IGNORED] * (min(width, MOST_IN_EXAMPLE) - 6))))
     return f"say which is which, for example columns={example} ({IGNORED} ignores a column)"
