@@ -93,7 +93,8 @@ def find(lines: Iterable[str]) -> Layout:
         raise MalformedInputError("there is no row of numbers in it", ("points",))
     if header is None and len(rows) == 2 and _is_numbered(rows[0][1], rows[1][1]):
         header, rows = rows[0], rows[1:]
-    layout = _with_header(_of_rows([line for _, line in rows], rows[0][0]), rows, header, comments)
+    between = _common_delimiter(rows[0][1], None if header is None else header[1])
+    layout = _with_header(_of_row(*rows[0], between), rows, header, comments)
     return layout if counted is None else replace(layout, count=int(counted[1]), count_line=counted[0])
 
 
@@ -179,10 +180,21 @@ def split(line: str, between: str | None) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=between, skipinitialspace=True))]
 
 
-def _of_rows(rows: list[str], first_line: int) -> Layout:
-    """Return the layout of a table without a header, from one or two rows."""
-    between = delimiter(rows[0])
-    cells = split(rows[0], between)
+def _common_delimiter(row: str, header: str | None) -> str | None:
+    """Return the delimiter of the header, if it splits the row into as many cells, else the row's own.
+
+    A label in the row may hold other delimiters; a header often has blanks where rows have commas.
+    """
+    if header is not None:
+        between = delimiter(header)
+        if len(split(row, between)) == len(split(header, between)):
+            return between
+    return delimiter(row)
+
+
+def _of_row(first_line: int, row: str, between: str | None) -> Layout:
+    """Return the layout of a table without a header, from its first row."""
+    cells = split(row, between)
     trailing = between is not None and len(cells) > 2 and cells[-1] == ""
     return Layout(between, first_line, len(cells), tuple(range(len(cells) - trailing)))
 

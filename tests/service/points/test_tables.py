@@ -69,7 +69,9 @@ def test_a_header_names_columns_in_any_order_and_case(
 @given(
     order=st.permutations(range(5)),
     others=st.lists(st.sampled_from(["intensity", "r", "time [s]", "id", ""]), min_size=3, max_size=3),
-    words=st.lists(st.text(st.characters(categories=["L", "Zs", "P"], exclude_characters='"'), max_size=8), min_size=1),
+    words=st.lists(
+        st.text(st.characters(categories=["L", "Zs", "P"], exclude_characters='"#%/'), max_size=8), min_size=1
+    ),
 )
 def test_columns_with_other_names_are_ignored_whatever_they_hold(
     order: list[int], others: list[str], words: list[str]
