@@ -4,20 +4,14 @@ Comment lines begin with #, // or %. One of them may be the header (`# x y z`, `
 mark is the first line in which nothing is a number; or `0,1,2`, the numbers that pandas gives to columns without names.
 """
 
-import csv
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import count, pairwise
 
 from service.formats.points import columns
+from service.formats.points.cells import COMMENT, LONGEST_LINE, MISSING, delimiter, is_number, pieces, split, too_long
 from service.jobs.errors import MalformedInputError
-
-COMMENT = ("#", "//", "%")
-LONGEST_LINE = 65_536  # characters; a row of six numbers has about 150
-# What programs write where a number is missing, in lower case; all but the empty cell and nan are refused by `float`.
-MISSING = frozenset({"", "nan", "na", "n/a", "null", "none", "-nan", "-nan(ind)", "1.#qnan", "-1.#ind", "-"})
-_QUOTED = re.compile(r'"[^"]*"')
 
 
 @dataclass(frozen=True)
@@ -110,30 +104,11 @@ def _filled(lines: Iterable[str], comments: list[tuple[int, str]]) -> Iterator[t
             yield number, text
 
 
-def too_long(line: int) -> MalformedInputError:
-    """Return the error for a line that is too long."""
-    return MalformedInputError(f"line {line} has more than {LONGEST_LINE} characters", ("points",))
-
-
-def is_number(cell: str) -> bool:
-    """Return whether a cell holds a number, with a decimal point or a decimal comma."""
-    try:
-        float(cell.replace(",", "."))
-    except ValueError:
-        return False
-    return True
-
-
-def _pieces(line: str) -> list[str]:
-    """Return what stands between delimiters of any kind."""
-    return [piece.strip('"') for piece in re.split(r"[,;\t]|[ ]+", line)]
-
-
 def _is_header(line: str) -> bool:
     """Return whether a line names columns: x and y are among them, or nothing in it is a number."""
-    pieces = [piece for piece in _pieces(line) if piece.lower() not in MISSING]
-    roles = [columns.role(piece) for piece in pieces]
-    return ("x" in roles and "y" in roles) or (bool(pieces) and not any(map(is_number, pieces)))
+    words = [piece for piece in pieces(line) if piece.lower() not in MISSING]
+    roles = [columns.role(word) for word in words]
+    return ("x" in roles and "y" in roles) or (bool(words) and not any(map(is_number, words)))
 
 
 def _is_numbered(line: str, following: str) -> bool:
@@ -142,42 +117,14 @@ def _is_numbered(line: str, following: str) -> bool:
     In front of an index the first name is empty. Without one, 0,1,2 might be a point: it is taken for a header if every
     number below it has a decimal point or an exponent.
     """
-    names = _pieces(line)
+    names = pieces(line)
     start = 1 if names[0] == "" else 0
     if len(names) - start < 2 or names[start:] != [str(i) for i in range(len(names) - start)]:
         return False
-    below = [piece for piece in _pieces(following) if piece] or ["-"]
+    below = [piece for piece in pieces(following) if piece] or ["-"]
     if start or len(below) == len(names) + 1:
         return below[0].isdecimal()
     return all(re.search(r"[.eE]", piece) for piece in below)
-
-
-def delimiter(line: str) -> str | None:
-    r"""Return what stands between the cells of a line; None is any run of blanks.
-
-    >>> [delimiter(line) for line in ("12,5;3,1", "1.0,2.0", "1.0, 2.0", "1,5\t2,5", "1 2")]
-    [';', ',', ',', '\t', None]
-    """
-    line = _QUOTED.sub('""', line)
-    if ";" in line:
-        return ";"
-    if "\t" in line:
-        cells = line.split("\t")
-        if all(cell.rstrip().endswith(",") for cell in cells[:-1]):
-            return ","
-        return None if any(re.search(r"\S +\S", cell) for cell in cells) and "," not in line else "\t"
-    return "," if "," in line else None
-
-
-def split(line: str, between: str | None) -> list[str]:
-    """Return the cells of one line, without quotation marks and the blanks around them.
-
-    >>> split('"1.5" ; 2', ";")
-    ['1.5', '2']
-    """
-    if between is None:
-        return [cell.strip('"') for cell in line.split()]
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=between, skipinitialspace=True))]
 
 
 def _common_delimiter(row: str, header: str | None) -> str | None:
@@ -217,7 +164,7 @@ def _with_header(
 
 
 def _names_points(text: str) -> bool:
-    roles = [columns.role(piece) for piece in _pieces(text)]
+    roles = [columns.role(piece) for piece in pieces(text)]
     return "x" in roles and "y" in roles
 
 

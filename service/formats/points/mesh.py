@@ -1,5 +1,7 @@
 """Vertices of meshes in STL and GLB, which trimesh reads. No other file that they name is opened."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from typing import Any, cast
 
@@ -49,26 +51,33 @@ def read_glb(content: bytes, options: ReadOptions) -> RawPoints:
     points = np.asarray(shape.vertices, dtype=np.float64)
     if not isinstance(shape, trimesh.Trimesh):
         return RawPoints(points)
-    normals: Array = np.asarray(shape.vertex_normals)
+    with _as_malformed("glb"):
+        normals: Array = np.asarray(shape.vertex_normals)
     return RawPoints(points, normals if (np.linalg.norm(normals, axis=1) > 0.5).all() else None)
 
 
 def _loaded(content: bytes, kind: str) -> Any:  # noqa: ANN401 - of trimesh, whose types say little
     """Return the one shape of a file of this kind; without a name and a folder nothing else can be opened."""
-    try:
-        with np.errstate(all="ignore"):
-            shape = cast(
-                "Any", trimesh.load(BytesIO(content), file_type=kind, process=False, skip_materials=True, resolver=None)
-            )
-            if isinstance(shape, trimesh.Scene):
-                shape = shape.to_geometry()
-    except MemoryError:
-        raise
-    except Exception as error:  # trimesh raises whatever its parsing meets
-        raise MalformedInputError(f"not {kind.upper()}: {shortened(str(error), 200)}", ("points",)) from error
+    with _as_malformed(kind):
+        file = BytesIO(content)
+        shape = cast("Any", trimesh.load(file, file_type=kind, process=False, skip_materials=True, resolver=None))
+        if isinstance(shape, trimesh.Scene):
+            shape = shape.to_geometry()
     if not len(getattr(shape, "vertices", ())):
         raise MalformedInputError(f"there are no vertices in this {kind.upper()} file", ("points",))
     return shape
+
+
+@contextmanager
+def _as_malformed(kind: str) -> Iterator[None]:
+    """Raise MalformedInputError for whatever trimesh meets in a file of this kind; it has no errors of its own."""
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise MalformedInputError(f"not {kind.upper()}: {shortened(str(error), 200)}", ("points",)) from error
 
 
 def _check_glb(content: bytes, max_points: int) -> None:

@@ -12,7 +12,7 @@ from service.formats.points import faces
 from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
-_HEADER = re.compile(r"(ST)?(C)?(N)?OFF\b\s*", re.IGNORECASE)
+_HEADER = re.compile(r"(ST)?(C)?(N)?(?:OFF|off)\b\s*")  # nOFF, with a small n, has any number of dimensions
 FACES_PER_POINT = 8  # see ply.ROWS_PER_POINT
 
 

@@ -61,6 +61,8 @@ def _read(header: Header, data: "_Text | _Binary") -> RawPoints:
     polygons: Array | list[Array] = []
     for element in header.elements:
         values = data.read(element)
+        if element is header.elements[-1]:
+            data.check_end()
         if element.name == "vertex":
             points, normals = _vertices(values)
             if normals is not None and normals.any():  # all zero is how some programs write that there are none
@@ -90,6 +92,11 @@ class _Text:
         """Begin behind the header."""
         self._rows = [line for line in content[start:].replace(b"\r", b"\n").split(b"\n") if line.strip()]
         self._row = 0
+
+    def check_end(self) -> None:
+        """Refuse rows that the header does not announce."""
+        if self._row < len(self._rows):
+            raise ValueError(f"there are {len(self._rows) - self._row} rows more than the header announces")
 
     def read(self, element: Element) -> Values:
         """Return the values of the next element by property: arrays (N,), and lists of arrays for list properties."""
@@ -127,6 +134,12 @@ class _Binary:
     def __init__(self, content: bytes, start: int) -> None:
         """Begin behind the header."""
         self._content, self._start = content, start
+
+    def check_end(self) -> None:
+        """Refuse bytes that the header does not announce; line ends do no harm."""
+        rest = self._content[self._start :].strip()
+        if rest:
+            raise ValueError(f"there are {len(rest)} bytes more than the header announces")
 
     def read(self, element: Element) -> Values:
         """Return the values of the next element by property: arrays (N,), and lists of arrays for list properties.

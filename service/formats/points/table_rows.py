@@ -15,8 +15,8 @@ from typing import TextIO
 
 import numpy as np
 
-from service.formats.points import layout
-from service.formats.points.layout import COMMENT, LONGEST_LINE, MISSING, Layout
+from service.formats.points.cells import COMMENT, LONGEST_LINE, MISSING, split, too_long
+from service.formats.points.layout import Layout
 from service.formats.points.raw import Array, ReadOptions, check_count, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
@@ -101,7 +101,7 @@ class TableRows:
         for number, line in enumerate(block, first):
             if line.isspace() or line.lstrip().startswith(COMMENT):
                 continue
-            cells = layout.split(line.strip("\r\n "), self.layout.delimiter)
+            cells = split(line.strip("\r\n "), self.layout.delimiter)
             self.numbers.append(number)
             self._check_width(cells)
             row = len(self.numbers) - 1
@@ -152,6 +152,6 @@ def _blocks(lines: TextIO, first: int) -> Iterator[tuple[int, list[str]]]:
     rest = islice(lines, first - 1, None)
     while block := list(islice(rest, BLOCK_LINES)):
         if max(map(len, block)) > LONGEST_LINE:
-            raise layout.too_long(next(number + i for i, line in enumerate(block) if len(line) > LONGEST_LINE))
+            raise too_long(next(number + i for i, line in enumerate(block) if len(line) > LONGEST_LINE))
         yield number, block
         number += len(block)
