@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import orjson
 import typer
@@ -28,7 +28,7 @@ def _endings(dimension: int) -> str:
 
 
 @with_fit_options
-def fit(  # noqa: PLR0913 - one option each
+def fit(  # noqa: PLR0913, PLR0917 - one option each
     file: Annotated[
         Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
     ],
@@ -38,19 +38,28 @@ def fit(  # noqa: PLR0913 - one option each
     plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
     resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="What the columns of a table hold, in order: x,y,z,nx,ny,nz; _ ignores one.")
+    ] = None,
+    missing: Annotated[
+        Literal["refuse", "drop"], typer.Option(help="Whether a point with a missing value is refused or left out.")
+    ] = "refuse",
     *,
     options: ipcore.FitOptions,
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
-        _run(file, options, {"mesh": mesh, "plot": plot, "output": output}, resolution)
+        given = files.read_file(file, MAX_POINTS, columns=columns, missing=missing)
+        targets = {"mesh": mesh, "plot": plot, "output": output}
+        _run(file, given, options, targets, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
 
 
-def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None) -> None:
-    given = files.read_file(file, MAX_POINTS)
+def _run(
+    file: Path, given: PointSet, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None
+) -> None:
     writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
     points, normals = decode.split(given.content, given.dimension)
     checked = given.summary.restored(points, normals)
@@ -106,6 +115,8 @@ def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
     typer.echo(f"D_dist {found.d_dist:.4f} mean radii, D_smooth {found.d_smooth:.4f}")
     if found.stray is not None:
         typer.echo(f"zero set: {found.components} components, {found.stray:.2%} of it away from the data")
+    if given.left_out:
+        typer.echo(f"warning: {given.left_out} points with a missing value were left out")
     for warning in result.warnings:
         typer.echo(f"warning: {warning}")
 

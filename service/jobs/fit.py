@@ -92,6 +92,8 @@ class PointSet:
         The options in the same body, by name, unchecked.
     summary
         Its frame and its digest, worked out when it was checked.
+    left_out
+        The number of points that were left out because a value of theirs was missing.
 
     """
 
@@ -102,6 +104,7 @@ class PointSet:
     normals: bool
     options: dict[str, Any]
     summary: PointSetSummary
+    left_out: int = 0
 
     @property
     def frame(self) -> Frame | None:
