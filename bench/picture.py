@@ -5,7 +5,7 @@ from pathlib import Path
 import ipcore
 from ipcore import shapes
 from service.formats.picture import page
-from service.formats.picture.surface import View
+from service.formats.picture.view import View
 
 points, normals = shapes.genus_two().sample(3000)
 result = ipcore.fit(points, normals)

@@ -1,4 +1,4 @@
-"""`ipfit fit`: fit the points of a file here and now, without a server."""
+"""`ipfit fit`: fit the points of a file in this process, without a server."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -60,7 +60,7 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
 def _run(
     file: Path, given: PointSet, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None
 ) -> None:
-    writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
+    writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is reported before the work
     points, normals = decode.split(given.content, given.dimension)
     checked = given.summary.restored(points, normals)
     with _bar(options.degree_cap(given.dimension)) as show:
@@ -76,7 +76,7 @@ def _run(
 
 
 def _mesh_writer(path: Path | None, dimension: int) -> Callable[[ipcore.ZeroSet], bytes] | None:
-    """Return what writes a zero set of this dimension to a file with this ending."""
+    """Return the writer of zero sets of this dimension for the ending of a path; None without a path."""
     if path is None:
         return None
     known = [one.name for one in zero_set_formats(dimension)]
@@ -89,7 +89,7 @@ def _mesh_writer(path: Path | None, dimension: int) -> Callable[[ipcore.ZeroSet]
 
 @contextmanager
 def _bar(last: int) -> Iterator[Callable[[ipcore.Step], None]]:
-    """Yield a progress callable that shows each degree as it comes."""
+    """Yield a callable that shows each step in a progress bar; `last` is the last degree."""
     columns = (
         TextColumn("degree {task.completed:>2.0f} of at most {task.total:.0f}"),
         BarColumn(),
