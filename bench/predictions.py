@@ -32,16 +32,16 @@ WORDS = """\
 # Predicted and measured times of fits
 
 `python bench/predictions.py` (`make bench-predictions`) writes this file. Each fit ran in a process of its own on one
-thread; the times are CPU seconds. `ipcore.plan` predicts the time of a fit that goes on to its last degree. The points
-are {shape}; clean points, which stop early, have none. *degree* is the last degree that was tried. The constants of
-`ipcore.planning` were fitted to the cases marked *yes*.
+thread; the times are CPU seconds. The points lie on a bent circle or sphere, with noise of {noise:g} of its radius
+along the normals. The constants of `ipcore.planning` were fitted to the cases marked *yes*. *degree* is the last degree
+that was tried.
 
-Of the {count} fits that went on to their last degree and that no constant was fitted to, the ratio of predicted to
-measured time is {low:.2f} … {high:.2f}; of the {early} fits that stopped earlier it is {early_low:.2f} …
-{early_high:.2f}.
+`ipcore.plan` predicts the time of a fit that goes on to its last degree. Predicted over measured time is
+
+- {low:.2f} … {high:.2f} for the {count} fits that went on to their last degree and that no constant was fitted to;
+- {early_low:.1f} … {early_high:.1f} for the {early} fits that stopped earlier. Their points have no noise.
 
 """
-SHAPE = f"on a bent circle or sphere, with normal noise of {NOISE:g} of its radius"
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ def document(found: list[tuple[Case, Measurement]]) -> str:
     tested = [r for r, whole, (case, _) in zip(ratios, last, found, strict=True) if whole and not case.calibrates]
     early = [r for r, whole in zip(ratios, last, strict=True) if not whole]
     words = WORDS.format(
-        shape=SHAPE,
+        noise=NOISE,
         count=len(tested),
         low=min(tested),
         high=max(tested),

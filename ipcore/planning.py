@@ -11,7 +11,7 @@ m_n = C(n + d, d) coefficients at degree n, the time is a sum of these terms, ea
     linear fit          N Σ m                                   D_dist and D_smooth at every degree, or every column
       by moments        rows · C(2n + d, d)
       by chunks of rows rows · m, rows · m²
-      all rows held     rows · m²
+      all rows held     rows · m, rows · m²
 
 The sums run over n = 1 … n_max. `bench/PREDICTIONS.md` has predictions beside measured times: those of fits of noisy
 points that went to their last degree are within a factor of 3, from 100 to 1,000,000 points. The constants were fitted
@@ -34,15 +34,15 @@ NORMALS_PER_POINT, NORMALS_PER_NEIGHBOUR = {2: 1.2e-5, 3: 7.7e-6}, 4.9e-7
 NORMALS_BYTES, NEIGHBOUR_BYTES = 200, 47
 # Seconds per point and moment of a geometric fit: some twenty Gauss–Newton steps at each degree.
 GEOMETRIC_PER_MOMENT = {2: 9e-7, 3: 1.4e-6}
-ROBUST_PER_POINT = 1.9e-5
+ROBUST_PER_POINT = 2.1e-5
 # Seconds per node of a fit under sign constraints alone.
 SIGNS_PER_NODE = {2: 4.5e-6, 3: 1.8e-6}
 # Seconds per point and coefficient of D_dist and D_smooth.
 CLOSENESS_PER_ENTRY = 4e-9
-# Seconds per row and moment; per row and coefficient; per row and squared coefficient of rows in chunks, of rows that
-# are held, and by eq. (5), which goes column by column.
+# Seconds per row and moment; per row and coefficient, to make the rows; per row and squared coefficient, to factor them
+# in chunks, as a whole, and by eq. (5), which goes column by column.
 LINEAR_PER_MOMENT = {2: 4e-9, 3: 1.2e-9}
-CHUNK_PER_ENTRY, CHUNK_PER_SQUARE, HELD_PER_SQUARE, COLUMNWISE_PER_SQUARE = 4e-8, 7e-11, 6.5e-10, 1.5e-9
+ROWS_PER_ENTRY, CHUNK_PER_SQUARE, HELD_PER_SQUARE, COLUMNWISE_PER_SQUARE = 4e-8, 7e-11, 6e-10, 1.4e-9
 # The degree up to which parts of a point set are summed: above it, the condition of moments is often too bad for them
 # to be of use. On noisy points in 3D they are of use a little longer.
 MOMENT_DEGREE, NOISY_MOMENT_DEGREE = {2: 16, 3: 13}, {2: 16, 3: 15}
@@ -161,10 +161,11 @@ def _linear(d: int, points: int, last: int, options: FitOptions) -> float:
     seconds = LINEAR_BASE[d] + CLOSENESS_PER_ENTRY * points * tested
     if _holds_system(options):
         eq5 = options.factor is Factor.GRAM_SCHMIDT
-        return seconds + (COLUMNWISE_PER_SQUARE if eq5 else HELD_PER_SQUARE) * rows * columns**2
+        per_square = COLUMNWISE_PER_SQUARE if eq5 else HELD_PER_SQUARE
+        return seconds + rows * (ROWS_PER_ENTRY * columns + per_square * columns**2)
     moments = bool(options.layer_offsets) and options.factor is not Factor.TSQR
     if moments:
         seconds += LINEAR_PER_MOMENT[d] * rows * comb(2 * min(last, NOISY_MOMENT_DEGREE[d]) + d, d)
     if not moments or last > NOISY_MOMENT_DEGREE[d]:
-        seconds += rows * (CHUNK_PER_ENTRY * columns + CHUNK_PER_SQUARE * columns**2)
+        seconds += rows * (ROWS_PER_ENTRY * columns + CHUNK_PER_SQUARE * columns**2)
     return seconds

@@ -1,1 +1,1 @@
-"""The HTTP face."""
+"""The HTTP API: routes, parameters, representations, errors, and the OpenAPI document."""

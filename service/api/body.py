@@ -1,4 +1,4 @@
-"""Take a request's body in without holding a large one in memory."""
+"""Receiving the body of a request without holding a large one in memory."""
 
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
@@ -9,21 +9,21 @@ from fastapi import Request
 
 from service.jobs.errors import NotReadyError, TooLargeError
 
-# Up to this size a body is read and checked where it arrived, in a millisecond or two; a larger one goes through a file
-# to a worker process.
-INLINE = 256 * 1024
+# Bytes up to which a body stays in memory and is read in a thread, in a millisecond or two. A larger one is written to
+# a file and read in a worker process.
+IN_MEMORY_BYTES = 256 * 1024
 
 
 @asynccontextmanager
 async def received(request: Request, most: int, folder: Path) -> AsyncIterator[bytes | Path]:
-    """Yield the body: its bytes if small, else a file in `folder` that is removed afterwards.
+    """Yield the body as bytes if it is small, else as a file in `folder` that is removed afterwards.
 
     Raises
     ------
     TooLargeError
-        As soon as it is known that more than `most` bytes come.
+        If it has more than `most` bytes; the rest is then not read.
     NotReadyError
-        If there is no room for a large one.
+        If a large one cannot be written to disk.
 
     """
     announced = request.headers.get("content-length", "")
@@ -32,16 +32,16 @@ async def received(request: Request, most: int, folder: Path) -> AsyncIterator[b
     head, stream = bytearray(), request.stream()
     async for chunk in stream:
         head += chunk
-        if len(head) > INLINE:
+        if len(head) > IN_MEMORY_BYTES:
             break
     else:
         yield bytes(head)
         return
-    with _room():
+    with _disk_errors():
         file = NamedTemporaryFile(dir=folder, prefix="body-", delete=False)  # noqa: SIM115 - closed below
     path = Path(file.name)
     try:
-        with _room(), file:
+        with _disk_errors(), file:
             size = file.write(head)
             async for chunk in stream:
                 size += file.write(chunk)
@@ -51,12 +51,12 @@ async def received(request: Request, most: int, folder: Path) -> AsyncIterator[b
                 raise _too_large(most)
         yield path
     finally:
-        path.unlink(missing_ok=True)  # noqa: ASYNC240 - a moment, as all of the above
+        path.unlink(missing_ok=True)  # noqa: ASYNC240 - it takes microseconds, as do the writes above
 
 
 @contextmanager
-def _room() -> Iterator[None]:
-    """Say that the disk is full, or whatever else the system has against a file, as something that may pass."""
+def _disk_errors() -> Iterator[None]:
+    """Raise NotReadyError for an error of the file system, such as a full disk: it may pass."""
     try:
         yield
     except OSError as error:

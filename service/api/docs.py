@@ -1,4 +1,4 @@
-"""The documentation page, from files of an installed package: it works with no network."""
+"""The documentation page: Swagger UI from files of an installed package, so that it works without a network."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,25 +15,25 @@ router = APIRouter(include_in_schema=False)
 
 @router.get("/docs")
 async def docs() -> HTMLResponse:
-    """Return Swagger UI on this server's own OpenAPI document."""
+    """Return Swagger UI for the OpenAPI document of this server."""
     return get_swagger_ui_html(
         openapi_url="/openapi.json",
         title="ipfit",
         swagger_js_url=f"{ASSETS}/swagger-ui-bundle.js",
         swagger_css_url=f"{ASSETS}/swagger-ui.css",
         swagger_favicon_url=f"{ASSETS}/favicon.png",
-        swagger_ui_parameters={"validatorUrl": None},  # Swagger UI would show a badge from its makers' server
+        swagger_ui_parameters={"validatorUrl": None},  # else Swagger UI loads a badge from the server of its authors
     )
 
 
 @router.get("/")
 async def root() -> RedirectResponse:
-    """Lead a person who came with a browser to the documentation."""
+    """Redirect to the documentation."""
     return RedirectResponse("/docs")
 
 
 def install(app: FastAPI) -> None:
-    """Add the page and its files."""
+    """Add the page and its files to the application."""
     spec = find_spec("fastapi_offline")
     if spec is None or spec.origin is None:  # pragma: no cover - a declared dependency
         raise RuntimeError("fastapi-offline, which carries Swagger UI, is not installed")

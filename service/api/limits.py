@@ -1,4 +1,4 @@
-"""The limits of this server, checked before memory is taken."""
+"""The limits of this server on a request, checked before memory is taken."""
 
 from dataclasses import dataclass
 
@@ -10,18 +10,18 @@ from service.jobs.requested_options import RequestedOptions
 
 @dataclass(frozen=True)
 class Limits:
-    """What one request may ask for.
+    """The limits on a request.
 
     Attributes
     ----------
     body_bytes
-        Largest body.
+        Bytes of the largest body.
     max_degree, resolution
-        Highest, by dimension.
+        The highest that are allowed, by dimension.
     system_bytes
-        Largest linear system that is held at once: doubles, a row per equation, a column per coefficient.
+        Bytes of the largest linear system that is held as a whole: a double per equation and coefficient.
     wait
-        Longest wait, in seconds.
+        The longest wait for a fit, in seconds.
 
     """
 

@@ -1,4 +1,4 @@
-"""The OpenAPI document: what the framework writes, and the models that no route declares and it does not see."""
+"""The OpenAPI document: FastAPI's, with the models of bodies that no route declares, and our own errors."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ _REF = "#/components/schemas/{model}"
 
 
 class DocumentedApp(FastAPI):
-    """An application whose document says what its hand-made bodies and errors are."""
+    """An application whose OpenAPI document describes bodies that routes read themselves, and problem details."""
 
     def openapi(self) -> dict[str, Any]:
         """Return the OpenAPI document."""
@@ -24,7 +24,7 @@ class DocumentedApp(FastAPI):
             for operation in (operation for path in document["paths"].values() for operation in path.values()):
                 _describe_problems(operation["responses"])
             _remove_unused(document)
-        assert self.openapi_schema is not None  # noqa: S101 - FastAPI keeps what it returned
+        assert self.openapi_schema is not None  # noqa: S101 - FastAPI stores what it returned
         return self.openapi_schema
 
 

@@ -11,14 +11,14 @@ DEFAULT_WAIT = 30.0
 
 @dataclass(frozen=True)
 class Preferences:
-    """How long the caller will wait for an answer.
+    """How long the caller wants to wait for a fit to end.
 
     Attributes
     ----------
     wait
-        Seconds; None if the caller did not say.
+        Seconds; None if the caller gave none.
     respond_async
-        Whether the caller wants an answer at once.
+        Whether the caller asked for an answer at once.
 
     """
 
@@ -33,13 +33,13 @@ class Preferences:
         return cls(float(waits[0]) if waits else None, "respond-async" in sent)
 
     def seconds(self, default: float, longest: float) -> float:
-        """Return how long to wait, at most `longest`: as asked for, 0 for a bare respond-async, else the default."""
+        """Return the seconds to wait: `wait` if given, 0 for respond-async alone, else `default`; at most `longest`."""
         if self.wait is None:
             return 0.0 if self.respond_async else min(default, longest)
         return min(self.wait, longest)
 
     def applied(self, seconds: float) -> dict[str, str]:
-        """Return the Preference-Applied header, if anything was asked for."""
-        said = ["respond-async"] if self.respond_async else []
-        said += [f"wait={seconds:.0f}"] if self.wait is not None else []
-        return {"Preference-Applied": ", ".join(said)} if said else {}
+        """Return the header Preference-Applied, or none if the caller gave no preference."""
+        applied = ["respond-async"] if self.respond_async else []
+        applied += [f"wait={seconds:.0f}"] if self.wait is not None else []
+        return {"Preference-Applied": ", ".join(applied)} if applied else {}

@@ -1,4 +1,4 @@
-"""Every error as problem details (RFC 9457), and the one table from exceptions to HTTP."""
+"""Errors as problem details (RFC 9457), and the one table from exceptions to HTTP statuses."""
 
 import logging
 import re
@@ -21,14 +21,14 @@ from service.jobs import errors
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
-# Seconds after which it is worth to ask again.
+# Seconds after which a caller may try again, by type of problem.
 RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10", "worker-crashed": "1"}
-# What is told of a request with thousands of them.
+# Faults that are reported of one request, at most.
 MOST_FAULTS = 10
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 _TRACEPARENT = re.compile(r"[0-9a-f]{2}-([0-9a-f]{32})-[0-9a-f]{16}-[0-9a-f]{2}")
 
-# Exception → (status, type, title). The first that matches counts, so the special stand before the general.
+# Exception, status, type, title. The first row that matches counts, so subclasses stand before their base classes.
 TABLE: tuple[tuple[type[Exception], HTTPStatus, str, str], ...] = (
     (errors.MalformedInputError, HTTPStatus.BAD_REQUEST, "malformed-input", "The body cannot be read"),
     (errors.TooLargeError, HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "too-large", "Over a limit of this server"),
@@ -75,7 +75,7 @@ def response(  # noqa: PLR0913 - the parts of a problem
     title: str | None = None,
     headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return a problem as a response."""
+    """Return a response with problem details."""
     body: dict[str, Any] = {
         "type": f"urn:ipfit:problem:{kind}",
         "title": title or status.phrase,
@@ -88,7 +88,7 @@ def response(  # noqa: PLR0913 - the parts of a problem
 
 
 def trace_id(request: Request) -> str:
-    """Return the trace id that the caller sent (W3C traceparent), or a fresh one, the same for the whole request."""
+    """Return the trace id that the caller sent (W3C traceparent), or a new one; it stays the same for the request."""
     if not hasattr(request.state, "trace_id"):
         sent = _TRACEPARENT.fullmatch(request.headers.get("traceparent", ""))
         request.state.trace_id = sent.group(1) if sent else uuid4().hex
@@ -96,7 +96,7 @@ def trace_id(request: Request) -> str:
 
 
 def install(app: FastAPI) -> None:
-    """Answer every error of this app with a problem."""
+    """Let the application answer every error with problem details."""
     app.add_exception_handler(errors.JobError, _job_error)
     app.add_exception_handler(RequestValidationError, _invalid_request)
     app.add_exception_handler(HTTPException, _http_error)
@@ -113,13 +113,13 @@ def _job_error(request: Request, error: Exception) -> Response:
     headers = {"Retry-After": RETRY_AFTER[kind]} if kind in RETRY_AFTER else {}
     if isinstance(error, errors.QueueFullError):
         headers["Retry-After"] = str(ceil(error.retry_after))
-    if kind == "too-large":  # else the server would read and drop the rest of the body, however long it is
+    if kind == "too-large":  # else the server would read the rest of the body, however long it is
         headers["Connection"] = "close"
     return response(request, status, kind, str(error), faults, title=title, headers=headers)
 
 
 def _fault(request: Request, detail: str, at: tuple[str | int, ...]) -> Fault:
-    """Return what is wrong and where: in the query, if the place is there by name, else in the body."""
+    """Return a fault: in the query, if a part of its place is the name of a query parameter, else in the body."""
     named = next((part for part in at if part in request.query_params), None)
     if named is not None:
         return Fault(detail=detail, parameter=str(named))
@@ -127,13 +127,13 @@ def _fault(request: Request, detail: str, at: tuple[str | int, ...]) -> Fault:
 
 
 def _gone(request: Request, _error: Exception) -> Response:
-    """Answer a caller who left while the body was coming; nobody reads this."""
+    """Answer a caller who closed the connection while sending the body; the response is not read by anybody."""
     return response(request, HTTPStatus.BAD_REQUEST, "incomplete-request", "the connection was closed by the caller")
 
 
 def _invalid_request(request: Request, error: Exception) -> Response:
-    """Answer for query parameters and headers that do not validate."""
-    assert isinstance(error, RequestValidationError)  # noqa: S101 - narrows the type for the reader and for mypy
+    """Answer a request whose query parameters or headers are not valid."""
+    assert isinstance(error, RequestValidationError)  # noqa: S101 - narrows the type
     faults = [
         Fault(detail=str(one["msg"]), parameter=(".".join(map(str, one["loc"][1:])) or str(one["loc"][0]))[:100])
         for one in error.errors()[:MOST_FAULTS]
@@ -143,7 +143,7 @@ def _invalid_request(request: Request, error: Exception) -> Response:
 
 
 def _http_error(request: Request, error: Exception) -> Response:
-    """Answer for unknown routes, wrong methods and whatever else the framework refuses."""
+    """Answer a request that the framework refuses: an unknown path, a wrong method, and others."""
     assert isinstance(error, HTTPException)  # noqa: S101 - as above
     status = HTTPStatus(error.status_code)
     details = {
@@ -158,16 +158,16 @@ def _http_error(request: Request, error: Exception) -> Response:
 
 
 def _allowed(request: Request) -> set[str]:
-    """Return every method that the path answers to; the framework names only those of the first route that fits."""
-    # The scope as it came: on the way to the error, routers have written into the request's own.
+    """Return all methods of the path; the framework names only those of the first route that matches."""
+    # The original scope: routers have changed that of the request before the error.
     scope = {**request.scope, "root_path": request.scope.get("app_root_path", "")}
     return {method for method in METHODS if _answers(request.app.routes, scope | {"method": method})}
 
 
 def _answers(routes: list[BaseRoute], scope: dict[str, Any]) -> bool:
-    """Return whether a route takes this method at this path. Mounted files are only read."""
-    fitting = (route for route in routes if route.matches(scope)[0] is Match.FULL)
-    return any(scope["method"] in ("GET", "HEAD") or not isinstance(route, Mount) for route in fitting)
+    """Return whether a route takes this method at this path. Mounted files take GET and HEAD only."""
+    matching = (route for route in routes if route.matches(scope)[0] is Match.FULL)
+    return any(scope["method"] in ("GET", "HEAD") or not isinstance(route, Mount) for route in matching)
 
 
 def _unexpected(request: Request, error: Exception) -> Response:

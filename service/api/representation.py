@@ -18,14 +18,14 @@ def fit_response(
     status: HTTPStatus = HTTPStatus.OK,
     headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return a fit as a response with a strong ETag."""
+    """Return a response with a fit as JSON and a strong ETag; 304 if the caller has it already."""
     body = orjson.dumps(as_dict(fit, progress), option=orjson.OPT_UTC_Z)
     etag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
     sent = {"ETag": etag, "Content-Location": f"/v1/fits/{fit.id}", **(headers or {})}
     if not fit.status.final:
         sent["Retry-After"] = "1"
-    known = request.headers.get("if-none-match", "")
-    if request.method == "GET" and (etag in known or known.strip() == "*"):
+    cached = request.headers.get("if-none-match", "")
+    if request.method == "GET" and (etag in cached or cached.strip() == "*"):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
     return Response(body, status, sent, "application/json")
 

@@ -1,4 +1,4 @@
-"""What goes in and out as JSON: shapes, units and examples, for the OpenAPI document and for checking."""
+"""The JSON of requests and responses: shapes, units and examples, for validation and the OpenAPI document."""
 
 from datetime import datetime
 from typing import Annotated, Any, Literal

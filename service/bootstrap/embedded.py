@@ -1,4 +1,4 @@
-"""One server that keeps everything in its data folder and runs fits itself."""
+"""An embedded server: it stores everything in its data folder and runs fits itself."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -16,7 +16,7 @@ from service.store.schema import sqlite_engine
 
 @asynccontextmanager
 async def context(settings: Settings) -> AsyncIterator[Context]:
-    """Yield the parts of a server that has taken up what an earlier one left, and close them again."""
+    """Yield the context of a server that resumes the fits which an earlier one left, and close it again."""
     with opened(settings.data_dir) as folder:
         engine = sqlite_engine(folder.database)
         store, blobs = SqlFits(engine, settings.queue_limit), Blobs(settings.blobs_url or str(folder.blobs))

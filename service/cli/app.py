@@ -1,4 +1,4 @@
-"""The commands, gathered."""
+"""The command line application and its commands."""
 
 import typer
 

@@ -1,9 +1,9 @@
-"""`ipfit fit`: fit the points of a file here and now, without a server."""
+"""`ipfit fit`: fit the points of a file in this process, without a server."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import orjson
 import typer
@@ -28,7 +28,7 @@ def _endings(dimension: int) -> str:
 
 
 @with_fit_options
-def fit(  # noqa: PLR0913 - one option each
+def fit(  # noqa: PLR0913, PLR0917 - one option each
     file: Annotated[
         Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
     ],
@@ -38,20 +38,29 @@ def fit(  # noqa: PLR0913 - one option each
     plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
     resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="What the columns of a table hold, in order: x,y,z,nx,ny,nz; _ ignores one.")
+    ] = None,
+    missing: Annotated[
+        Literal["refuse", "drop"], typer.Option(help="Whether a point with a missing value is refused or left out.")
+    ] = "refuse",
     *,
     options: ipcore.FitOptions,
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
-        _run(file, options, {"mesh": mesh, "plot": plot, "output": output}, resolution)
+        given = files.read_file(file, MAX_POINTS, columns=columns, missing=missing)
+        targets = {"mesh": mesh, "plot": plot, "output": output}
+        _run(file, given, options, targets, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
 
 
-def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None) -> None:
-    given = files.read_file(file, MAX_POINTS)
-    writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
+def _run(
+    file: Path, given: PointSet, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None
+) -> None:
+    writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is reported before the work
     points, normals = decode.split(given.content, given.dimension)
     checked = given.summary.restored(points, normals)
     with _bar(options.degree_cap(given.dimension)) as show:
@@ -67,7 +76,7 @@ def _run(file: Path, options: ipcore.FitOptions, targets: dict[str, Path | None]
 
 
 def _mesh_writer(path: Path | None, dimension: int) -> Callable[[ipcore.ZeroSet], bytes] | None:
-    """Return what writes a zero set of this dimension to a file with this ending."""
+    """Return the writer of zero sets of this dimension for the ending of a path; None without a path."""
     if path is None:
         return None
     known = [one.name for one in zero_set_formats(dimension)]
@@ -80,7 +89,7 @@ def _mesh_writer(path: Path | None, dimension: int) -> Callable[[ipcore.ZeroSet]
 
 @contextmanager
 def _bar(last: int) -> Iterator[Callable[[ipcore.Step], None]]:
-    """Yield a progress callable that shows each degree as it comes."""
+    """Yield a callable that shows each step in a progress bar; `last` is the last degree."""
     columns = (
         TextColumn("degree {task.completed:>2.0f} of at most {task.total:.0f}"),
         BarColumn(),
@@ -106,6 +115,8 @@ def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
     typer.echo(f"D_dist {found.d_dist:.4f} mean radii, D_smooth {found.d_smooth:.4f}")
     if found.stray is not None:
         typer.echo(f"zero set: {found.components} components, {found.stray:.2%} of it away from the data")
+    if given.left_out:
+        typer.echo(f"warning: {given.left_out} points with a missing value were left out")
     for warning in result.warnings:
         typer.echo(f"warning: {warning}")
 

@@ -1,4 +1,4 @@
-"""The fit options as options of a command: one for each field of the API's `FitOptions`, so that they cannot differ."""
+"""The options of a fit as options of a command, made from the fields of `service.options.FitOptions`."""
 
 import inspect
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from service.options import FitOptions, agreeing, default
 
 
 def with_fit_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command an option for every fit option; its last parameter, `options`, is an `ipcore.FitOptions`."""
+    """Give a command an option for every option of a fit; its last parameter, `options`, gets `ipcore.FitOptions`."""
     signature = inspect.signature(command)
     own = [parameter for name, parameter in signature.parameters.items() if name != "options"]
     more = [_parameter(name, field) for name, field in FitOptions.model_fields.items()]
@@ -30,13 +30,13 @@ def with_fit_options(command: Callable[..., None]) -> Callable[..., None]:
             raise typer.Exit(2) from error
         command(**given, options=options)
 
-    accepting.__signature__ = signature.replace(parameters=[*own, *more])  # type: ignore[attr-defined] # what typer reads
+    accepting.__signature__ = signature.replace(parameters=[*own, *more])  # type: ignore[attr-defined] # typer reads it
     accepting.__annotations__ = {parameter.name: parameter.annotation for parameter in [*own, *more]}
     return accepting
 
 
 def _parameter(name: str, field: FieldInfo) -> inspect.Parameter:
-    """Return the parameter of an option. Its default is None, for not given, as a preset may have its own."""
+    """Return the parameter of an option. Its default is None, for not given: a preset may have its own default."""
     shown = default(name).replace("`", "")
     option = typer.Option(help=field.description, show_default=shown, rich_help_panel="How to fit")
     (kind,) = alternatives(field.annotation)

@@ -1,4 +1,4 @@
-"""Commands about the server: run it, print its OpenAPI document, ask whether it is ready."""
+"""Commands about the server: run it, print its OpenAPI document, settings and options, check that it is ready."""
 
 import signal
 import socket
@@ -15,29 +15,31 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.bootstrap import application, drain, hurry
+from service.bootstrap import application, drain, end_drain
 from service.options import table as fit_options
 from service.settings import Settings, table
 
-# Seconds that requests get to end when the server stops. Whoever waits for a fit is answered at once; this is for
-# uploads and drawings.
-GRACE = 5
-# … and after a second signal.
-HURRIED_GRACE = 1
+# Seconds that running requests get to end when the server stops: uploads and exports of zero sets. Requests that wait
+# for a fit are answered at once.
+GRACE_SECONDS = 5
+# The same after a second signal.
+SHORT_GRACE_SECONDS = 1
 
 
 class _Server(uvicorn.Server):
-    """Uvicorn, which on the first signal drains the application while it goes on answering, and on the second ends."""
+    """Uvicorn that drains the application on the first signal, while it goes on answering, and ends on the second."""
 
     def __init__(self, app: FastAPI, settings: Settings) -> None:
-        super().__init__(uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE))
+        super().__init__(
+            uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE_SECONDS)
+        )
         self._app, self._grace, self._drained = app, settings.shutdown_grace, False
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         if self.should_exit:
-            hurry(self._app)
-            self.config.timeout_graceful_shutdown = HURRIED_GRACE
-            self.force_exit = self._drained  # uvicorn's own word for waiting no longer; what ran was given back
+            end_drain(self._app)
+            self.config.timeout_graceful_shutdown = SHORT_GRACE_SECONDS
+            self.force_exit = self._drained  # uvicorn then waits no longer; running fits were released
         super().handle_exit(sig, frame)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -53,7 +55,7 @@ def serve(
     """Serve fits over HTTP, alone or as one of many around a database. Settings come from IPFIT_* variables."""
     given = {"host": host, "port": port}
     chosen = chosen_settings().model_copy(update={name: value for name, value in given.items() if value is not None})
-    # Uvicorn takes signals while it runs and raises them again when it has stopped: to stop when told to is no failure.
+    # Uvicorn raises the signals that it received again when it has stopped; the exit code is to be 0 all the same.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with suppress(KeyboardInterrupt):
         _Server(application(chosen), chosen).run()
@@ -78,7 +80,7 @@ def options() -> None:
 def healthcheck() -> None:
     """Exit with 0 if the server on this machine is ready, else with 1."""
     given = chosen_settings()
-    host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(given.host, given.host)  # noqa: S104 - looked up, not bound
+    host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(given.host, given.host)  # noqa: S104 - compared, not bound
     try:
         with urlopen(f"http://{host}:{given.port}/readyz", timeout=5.0):
             return
@@ -88,7 +90,7 @@ def healthcheck() -> None:
 
 
 def chosen_settings() -> Settings:
-    """Return the settings, or say which variable is wrong."""
+    """Return the settings, or print which variable is wrong and exit."""
     try:
         return Settings()
     except ValidationError as error:

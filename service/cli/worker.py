@@ -1,4 +1,4 @@
-"""`ipfit worker`: run fits for the servers that share a database."""
+"""`ipfit worker`: run the fits of servers that share a database."""
 
 import asyncio
 

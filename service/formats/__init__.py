@@ -1,1 +1,1 @@
-"""Point sets in; meshes, outlines and pictures out."""
+"""File formats: point sets are read; zero sets and pictures of fits are written."""

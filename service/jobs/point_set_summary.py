@@ -1,4 +1,4 @@
-"""What was worked out of a point set when it was checked, so that no worker has to work it out again."""
+"""The frame and the digest of a checked point set, so that no worker has to work them out again."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""Fits as rows, and the conditions on rows that the store uses again and again."""
+"""Fits as rows of the table, and the conditions on rows that several methods of the store use."""
 
 from typing import Any
 
@@ -12,25 +12,25 @@ from service.jobs.slices import Frame, Slice
 from service.store.schema import fits
 
 
-def held(fit_id: str, attempt: int) -> list[ColumnElement[bool]]:
-    """Return the conditions that an attempt holds a fit."""
+def held_by(fit_id: str, attempt: int) -> list[ColumnElement[bool]]:
+    """Return the conditions under which this attempt holds the fit."""
     return [fits.c.id == fit_id, fits.c.attempt == attempt, fits.c.status == FitStatus.RUNNING]
 
 
-def in_line() -> list[ColumnElement[bool]]:
-    """Return the conditions that a fit waits for a worker, and not for its parts."""
+def queued() -> list[ColumnElement[bool]]:
+    """Return the conditions under which a fit waits for a worker, and not for its parts."""
     return [fits.c.status == FitStatus.ACCEPTED, fits.c.unsummed == 0]
 
 
-def written(connection: Connection, where: list[ColumnElement[bool]], **values: object) -> bool:
+def update_where(connection: Connection, where: list[ColumnElement[bool]], **values: object) -> bool:
     """Change the fit that meets the conditions; return whether there was one."""
     return bool(connection.execute(update(fits).where(*where).values(**values)).rowcount)
 
 
 def backlog(connection: Connection) -> tuple[int, float]:
-    """Return how many fits wait in line, with all of their parts or some, and the seconds that these will take."""
+    """Return how many fits wait for a worker, themselves or with a part, and the predicted seconds of all of them."""
     whole = func.coalesce(fits.c.whole, fits.c.id)
-    query = select(func.count(whole.distinct()), func.coalesce(func.sum(fits.c.cost), 0.0)).where(*in_line())
+    query = select(func.count(whole.distinct()), func.coalesce(func.sum(fits.c.cost), 0.0)).where(*queued())
     count, cost = connection.execute(query).one()
     return int(count), float(cost)
 

@@ -1,4 +1,4 @@
-"""The time and memory of fits, as the library predicts them."""
+"""The adapter of the planner port: the library's predictions of time and memory."""
 
 import ipcore
 from service.jobs.errors import InvalidInputError

@@ -1,4 +1,4 @@
-"""What runs inside a worker: a fit, from the stored point set to the answer's JSON; in parts, if it is a huge one."""
+"""The tasks that run in workers: from a stored point set to the result of its fit, as a whole or in parts."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -18,24 +18,24 @@ from service.jobs.ports import BlobStore
 from service.jobs.slices import Slice
 from service.workers.progress import report
 
-# Bytes that hold the header of any npy of ours: numpy pads it to a multiple of 64, and 128 are enough for two axes.
-HEADER = 256
+# Bytes that contain the whole header of a stored npy: numpy pads it to a multiple of 64, and two axes take 128.
+HEADER_BYTES = 256
 
 
 def fit(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions) -> bytes:
-    """Fit a stored point set and return the answer as JSON; every degree is reported as it is made.
+    """Fit a stored point set and return the result as JSON; report every degree when it has been tried.
 
     Raises
     ------
     NotReadyError
-        If the point set cannot be read, which is no fault of the fit.
+        If the point set cannot be read; the fit is then tried again later.
 
     """
     return _json(ipcore.fit(_point_set(blobs, given), options=options, progress=_report))
 
 
-def part(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, some: Slice) -> bytes:
-    """Return the moments of some of the points, as a file.
+def sum_moments(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, some: Slice) -> bytes:
+    """Return the moments of a slice of the points, as an npz file.
 
     Raises
     ------
@@ -54,8 +54,8 @@ def part(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, some:
     return file.getvalue()
 
 
-def rest(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, sums: Sequence[bytes]) -> bytes:
-    """Add the moments of all parts, in order, and fit; return and report as `fit` does.
+def fit_from_moments(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, sums: Sequence[bytes]) -> bytes:
+    """Add the moments of all slices, in their order, and fit; return and report as `fit` does.
 
     Raises
     ------
@@ -68,9 +68,10 @@ def rest(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, sums:
 
 
 def _summed_degree(given: PointSetRef, options: ipcore.FitOptions) -> int:
-    """Return the degree up to which moments are worth their time.
+    """Return the degree up to which moments are summed.
 
-    Above it a fit goes over to the rows. One that is to go to the last degree asks for all moments at once.
+    Above the plan's `moment_degree` a fit mostly uses the rows themselves. One with the criterion `none` uses all
+    moments at once.
     """
     plan = ipcore.plan(given.dimension, given.points, options, normals=True)
     return plan.max_degree if options.criterion is ipcore.Criterion.NONE else plan.moment_degree
@@ -85,7 +86,7 @@ def _json(result: ipcore.FitResult) -> bytes:
 
 
 def _point_set(blobs: BlobStore, given: PointSetRef) -> ipcore.PointSet:
-    """Return a stored point set. It was checked when it came; in databases of version 0.1 its summary was not kept."""
+    """Return a stored point set. It was checked before it was stored; it is checked again if its summary is missing."""
     table = np.load(BytesIO(_read(blobs, given.key)), allow_pickle=False)
     points, normals = table[:, : given.dimension], table[:, given.dimension :]
     if given.summary is None:
@@ -94,8 +95,8 @@ def _point_set(blobs: BlobStore, given: PointSetRef) -> ipcore.PointSet:
 
 
 def _rows(blobs: BlobStore, key: str, first: int, last: int) -> NDArray[Any]:
-    """Return some rows, without reading the others: every part of a huge set would read them all."""
-    head = BytesIO(_read(blobs, key, 0, HEADER))
+    """Return the rows `first` … `last` − 1 of a stored table, without reading the others."""
+    head = BytesIO(_read(blobs, key, 0, HEADER_BYTES))
     np.lib.format.read_magic(head)
     shape, _, dtype = np.lib.format.read_array_header_1_0(head)
     start, row = head.tell(), shape[1] * dtype.itemsize
@@ -106,5 +107,5 @@ def _rows(blobs: BlobStore, key: str, first: int, last: int) -> NDArray[Any]:
 def _read(blobs: BlobStore, key: str, start: int | None = None, end: int | None = None) -> bytes:
     try:
         return blobs.get(key, start, end)
-    except Exception as error:  # whatever the file system raises, and not all of it can be pickled
+    except Exception as error:  # the errors of file systems differ, and not all of them can be pickled
         raise NotReadyError(f"the point set cannot be read: {type(error).__name__}: {error}") from error

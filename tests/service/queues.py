@@ -15,7 +15,8 @@ from sqlalchemy import Engine, text
 
 import ipcore
 from service.jobs.errors import NotReadyError
-from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus, Holder, PointSetRef
+from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus, PointSetRef
+from service.jobs.lease_holder import LeaseHolder
 from service.jobs.parts import split
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
@@ -84,7 +85,7 @@ class Bench:
 
     def anew(self) -> EmbeddedQueue:
         tasks = Tasks(fit, part, rest)
-        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=Holder("me", 1.0), deadline=1.0)
+        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=LeaseHolder("me", 1.0), deadline=1.0)
         return EmbeddedQueue(self.store, runner, seats=1, short_seats=1)
 
     def new_fit(self, name: str, orders: dict[str, Any], client: str = "", cost: float = LONG) -> Fit:

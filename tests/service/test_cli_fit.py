@@ -74,11 +74,11 @@ def test_wrong_options_are_refused_before_the_work(ellipse: Path, arguments: lis
     [
         ("line.csv", "0,0\n1,1\n2,2\n3,3\n", "on one line"),
         ("short.csv", "0,0\n1,1\n", "too few"),
-        ("words.csv", "x,y\n1,two\n", "cannot be read"),
-        ("ragged.csv", "1,2\n1,2,3\n", "cannot be read"),
+        ("words.csv", "x,y\n1,two\n", "line 2, column 2 (y) is not a number: 'two'"),
+        ("ragged.csv", "1,2\n1,2,3\n", "line 2 has 3 cells, but line 1 has 2"),
         ("points.docx", "", "does not end in one of"),
         ("broken.npy", "no array", "not an npy file"),
-        ("broken.npz", "no archive", "cannot be read"),
+        ("broken.npz", "no archive", "not an npz file"),
     ],
 )
 def test_files_that_cannot_be_fitted(tmp_path: Path, name: str, content: str, says: str) -> None:

@@ -81,8 +81,8 @@ def test_an_unknown_ending_is_named(tmp_path: Path) -> None:
         files.read_file(path, 1000)
 
 
-def test_an_npz_without_points_says_so(tmp_path: Path) -> None:
+def test_an_npz_of_several_arrays_of_which_none_is_called_points_says_so(tmp_path: Path) -> None:
     path = tmp_path / "other.npz"
-    np.savez(path, vertices=sphere(50))
-    with pytest.raises(MalformedInputError, match="points"):
+    np.savez(path, vertices=sphere(50), colours=sphere(50))
+    with pytest.raises(InvalidInputError, match="must be called points; here are colours, vertices"):
         files.read_file(path, 1000)

@@ -12,9 +12,11 @@ import ipcore
 from ipcore import shapes
 from ipcore._typing import FloatArray
 from service.formats.picture import trace
+from service.formats.picture.facets import Facets
 from service.formats.picture.page import plot
 from service.formats.picture.plane import HEIGHT, MOST_DOTS, WARNING, WIDTH, Placing, supported
-from service.formats.picture.surface import MOST_TRIANGLES, Facets, View
+from service.formats.picture.surface import MOST_TRIANGLES
+from service.formats.picture.view import View
 
 NAMESPACE = {"svg": "http://www.w3.org/2000/svg"}
 TURN = np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)

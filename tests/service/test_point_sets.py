@@ -41,7 +41,8 @@ def described(shape: str = "(20, 2)", kind: str = "'<f8'", order: str = "False")
 
 
 @pytest.mark.parametrize(
-    "table", [ellipse(), sphere()[:, :3], sphere(), np.hstack([ellipse(), ellipse() - [2.5, 1.0]])]
+    "table",
+    [ellipse(), sphere()[:, :3], sphere(), np.hstack([ellipse(), 0.42 * (ellipse() - [2.5, 1.0]) / [1.0, 0.72]])],
 )
 def test_what_was_read_splits_into_what_was_sent(table: Array) -> None:
     found = read(npy(table), "npy")
@@ -210,7 +211,6 @@ def test_too_many_points_are_too_large(body: dict[str, Any]) -> None:
         header(described("(20, 10**12)")),
         header(described("(20, 1000000000000)")),
         header(described(kind="'|O'"), b"cos\nsystem\n."),
-        header(described(kind="[('x', '<f8'), ('y', '<f8')]"), ellipse(20).tobytes()),
         header(described(kind="'<c16'"), ellipse(20).tobytes()),
         header(described(kind="('<f8', (1000000000,))")),
         header(described(order="5"), ellipse(20).tobytes()),

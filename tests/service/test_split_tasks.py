@@ -52,9 +52,9 @@ def test_parts_and_rest_are_the_fit(tmp_path: Path, dimension: int, options: dic
     given, chosen = PointSetRef(blobs.put(read.content), dimension, 2500, summary=read.summary), requested.complete
     fit = Fit("one", FitStatus.ACCEPTED, given, requested, datetime.now(UTC))
     parts = [one.slice for one in split(fit, read.frame, 700)[1]]
-    sums = [tasks.part(blobs, given, chosen, some) for some in parts if some is not None]
+    sums = [tasks.sum_moments(blobs, given, chosen, some) for some in parts if some is not None]
     assert [ipcore.Moments.load(BytesIO(one)).degree for one in sums] == [summed] * 4
-    rest = orjson.loads(tasks.rest(blobs, given, chosen, sums))
+    rest = orjson.loads(tasks.fit_from_moments(blobs, given, chosen, sums))
     whole = orjson.loads(tasks.fit(blobs, given, chosen))
     assert rest["polynomial"]["frame"] == whole["polynomial"]["frame"]
     assert [step["degree"] for step in rest["steps"]] == [step["degree"] for step in whole["steps"]]
@@ -70,15 +70,17 @@ def test_a_part_that_is_missing_or_comes_twice_is_noticed(tmp_path: Path) -> Non
     blobs, read = Blobs(str(tmp_path)), decode.read(npy(noisy(shapes.torus(), 900)), "npy", 900)
     assert read.frame is not None
     given = PointSetRef(blobs.put(read.content), 3, 900)
-    sums = [tasks.part(blobs, given, CHOSEN, Slice(i, i + 300, read.frame)) for i in (0, 300, 600)]
+    sums = [tasks.sum_moments(blobs, given, CHOSEN, Slice(i, i + 300, read.frame)) for i in (0, 300, 600)]
     for wrong in (sums[:2], [*sums, sums[0]]):
         with pytest.raises(ipcore.InvalidPointsError, match="these are moments of"):
-            tasks.rest(blobs, given, CHOSEN, wrong)
+            tasks.fit_from_moments(blobs, given, CHOSEN, wrong)
 
 
 def test_points_that_are_away_are_no_fault_of_the_part(tmp_path: Path) -> None:
     with pytest.raises(NotReadyError, match="cannot be read"):
-        tasks.part(Blobs(str(tmp_path)), PointSetRef("0" * 64, 3, 9), CHOSEN, Slice(0, 9, Frame((0.0, 0.0, 0.0), 1.0)))
+        tasks.sum_moments(
+            Blobs(str(tmp_path)), PointSetRef("0" * 64, 3, 9), CHOSEN, Slice(0, 9, Frame((0.0, 0.0, 0.0), 1.0))
+        )
 
 
 @pytest.mark.parametrize("normals", [True, False])

@@ -1,1 +1,1 @@
-"""A picture of a fit, as SVG."""
+"""Pictures of fits, as SVG: the shape and the data on the left, the measures of every degree on the right."""

@@ -1,13 +1,14 @@
-"""A picture of a fit: its shape on the left, how its degree was found on the right."""
+"""The whole picture of a fit: its shape on the left, the measures of every degree on the right."""
 
 from html import escape
 
 import ipcore
 from service.formats.picture import trace
 from service.formats.picture.plane import LegendEntries, curve
-from service.formats.picture.surface import View, surface
+from service.formats.picture.surface import surface
+from service.formats.picture.view import View
 
-# A white card with dark text of its own, so that it reads the same on light and on dark pages.
+# A white card with dark text, so that it looks the same on light and on dark pages.
 SVG = """\
 <svg xmlns="http://www.w3.org/2000/svg" width="960" height="520" viewBox="0 0 960 520" role="img" fill="#1f2933" \
 font-family="system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif" font-size="12">
@@ -27,22 +28,22 @@ font-family="system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Ari
 </g>
 </svg>
 """
-LEFT, RIGHT, TOP = 32, 526, 66  # px, where the halves begin
-LEGEND = 494  # px, its baseline
-CHARACTER = 6.3  # px, how wide one is on average at 12 px in the widest of the fonts
+LEFT, RIGHT, TOP = 32, 526, 66  # px, the left ends of the two halves and their top
+LEGEND = 494  # px, the baseline of the legend
+CHARACTER = 6.3  # px, the mean width of a character at 12 px in the widest of the fonts
 
 
 def plot(result: ipcore.FitResult, points: ipcore.FloatArray, view: View | None = None) -> bytes:
-    """Return an SVG picture, 960 px wide, that needs nothing beside itself.
+    """Return an SVG picture, 960 px wide, without references to other files.
 
     Parameters
     ----------
     result
-        What `ipcore.fit` returned.
+        The result of `ipcore.fit`.
     points
-        (N, d), raw, as they were fitted.
+        (N, d), raw: the points that were fitted.
     view
-        Which axis is up and from where a surface is seen; curves ignore it.
+        The direction from which a surface is seen; not used for curves.
 
     """
     facts = _facts(result)
@@ -87,7 +88,7 @@ def _description(result: ipcore.FitResult, points: ipcore.FloatArray) -> str:
 
 
 def _legend(x: float, entries: LegendEntries) -> str:
-    """Return symbols, drawn about the origin, and their labels from x on."""
+    """Return a legend that starts at x, px; the symbols of its entries are drawn about the origin."""
     parts = []
     for symbol, label in entries:
         parts.append(

@@ -1,4 +1,4 @@
-"""Points and curves in the plane of a picture: where they lie in px, and how a fit in 2D is drawn."""
+"""The picture of a fit in 2D: its curve and the data, placed in px."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,12 +9,12 @@ from scipy.spatial import cKDTree
 
 import ipcore
 
-WIDTH, HEIGHT = 470.0, 396.0  # px, of the space for a shape
+WIDTH, HEIGHT = 470.0, 396.0  # px, of the area in which a shape is drawn
 BLUE, WARNING, INK, INSIDE, RIM = "#2463a6", "#e8590c", "#1f2933", "#e3eef9", "#c3ccd5"
 MOST_DOTS = 1500
-LEAST_SHARE = 0.01  # of the data, that a piece of the zero set must hold to be what they describe
+LEAST_SHARE = 0.01  # of the data that must lie nearest to a component of the zero set for it to describe them
 
-LegendEntries = Sequence[tuple[str, str]]  # symbol, drawn about the origin, and label
+LegendEntries = Sequence[tuple[str, str]]  # a symbol, drawn about the origin, and a label
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,11 +24,11 @@ class Placing:
     Attributes
     ----------
     centre
-        (2,), of what is placed, in its own unit.
+        (2,), the centre of what is placed, in its own unit.
     scale
         px per unit, the same along both axes.
     middle
-        (2,), px, where the centre goes.
+        (2,), px, the place of the centre.
 
     """
 
@@ -38,7 +38,7 @@ class Placing:
 
     @classmethod
     def into(cls, width: float, height: float, corners: ipcore.FloatArray) -> Self:
-        """Return the map that makes the box with these corners (2, 2) as large as fits, in the middle.
+        """Return the map that puts the box with these corners (2, 2) into an area, px, centred and as large as fits.
 
         >>> Placing.into(200.0, 100.0, np.array([[0.0, 0.0], [1.0, 1.0]]))(np.array([[0.0, 0.0], [1.0, 1.0]])).tolist()
         [[50.0, 100.0], [150.0, 0.0]]
@@ -49,14 +49,14 @@ class Placing:
         )
 
     def __call__(self, x: ipcore.FloatArray) -> ipcore.FloatArray:
-        """Return where points (N, 2) lie, (N, 2), in px."""
+        """Return the places (N, 2), px, of points (N, 2)."""
         return self.middle + self.scale * (x - self.centre) * [1.0, -1.0]
 
 
 def curve(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray) -> tuple[str, LegendEntries]:
-    """Draw the whole zero set in the bounds, and what of it lies away from the data in the colour of a warning.
+    """Draw the whole zero set in the bounds and the data (N, 2); parts away from the data get a warning colour.
 
-    Returns the drawing, from the origin to the right and down, and the entries of its legend.
+    Return the drawing, with its upper left corner at the origin, and the entries of its legend.
     """
     lines, filled = (
         ipcore.zero_set(polynomial, data=points, restrict=False, cap=False),
@@ -82,24 +82,25 @@ def curve(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray) -> t
 
 
 def supported(whole: ipcore.ZeroSet, points: ipcore.FloatArray) -> ipcore.BoolArray:
-    """Return which cells (C,) of a zero set are near the data (N, d) and hang together with what the data lie on.
+    """Return which cells (C,) of a zero set are near the data (N, d) and belong to a component that describes them.
 
-    Other branches may pass near the data, too; few of the data are nearest to them.
+    Other components may pass near the data, too; but few of the data have their nearest vertex on them.
     """
-    close, _ = cKDTree(points).query(whole.vertices[whole.cells].mean(axis=1))
-    reach = max(ipcore.support_radius(points, ipcore.Frame.of(points).scale), ipcore.gap_radius(points))
-    kept: ipcore.BoolArray = np.asarray(close <= reach)
-    if not kept.any():
-        return kept
-    label = ipcore.component_labels(whole.cells[kept], len(whole.vertices))
-    used = np.unique(whole.cells[kept])
+    near = whole.cells_near(points)
+    if not near.any():
+        return near
+    component = replace(whole, cells=whole.cells[near]).vertex_components()
+    used = np.unique(whole.cells[near])
     _, nearest = cKDTree(whole.vertices[used]).query(points)
-    held = np.bincount(label[used[nearest]], minlength=label.max() + 1) >= LEAST_SHARE * len(points)
-    return kept & held[label[whole.cells[:, 0]]]
+    describes = np.bincount(component[used[nearest]], minlength=component.max() + 1) >= LEAST_SHARE * len(points)
+    return near & describes[component[whole.cells[:, 0]]]
 
 
 def dots(at: ipcore.FloatArray, size: float, opacity: float) -> str:
-    """Return points (N, 2), px, as dots, evenly thinned to MOST_DOTS: strokes of no length with round ends."""
+    """Return the SVG of points (N, 2), px, as dots: strokes without length, with round ends.
+
+    Of more than `MOST_DOTS` points, evenly spaced ones are drawn.
+    """
     chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), MOST_DOTS)).round().astype(int))
     path = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at[chosen].tolist())
     return (
@@ -117,7 +118,7 @@ def _part(lines: ipcore.ZeroSet, cells: ipcore.BoolArray) -> ipcore.ZeroSet:
 
 
 def _path(lines: ipcore.ZeroSet, place: Placing) -> str:
-    """Return path data; hundredths of a px, or the rounding would show as a tremor."""
+    """Return the SVG path of a curve in hundredths of a px: with fewer digits smooth curves look shaky."""
     return "".join(
         "M" + "L".join(f"{x:.2f} {y:.2f}" for x, y in place(line).tolist()) + "Z" * bool((line[0] == line[-1]).all())
         for line in lines.polylines()

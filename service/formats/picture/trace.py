@@ -1,4 +1,4 @@
-"""The right half of a picture: D_dist and D_smooth of every degree that was tried, and the thresholds of eq. (7)."""
+"""The right half of a picture: charts of D_dist and D_smooth at every degree, with the thresholds of eq. (7)."""
 
 from dataclasses import dataclass
 from html import escape
@@ -9,14 +9,14 @@ import numpy as np
 import ipcore
 from service.formats.picture.plane import BLUE, LegendEntries
 
-LEFT, WIDTH = 46.0, 352.0  # px, the charts' sides; beyond them there is room for labels
-TOPS, HEIGHT = (24.0, 228.0), 150.0  # of the two charts, one above the other
+LEFT, WIDTH = 46.0, 352.0  # px, the left and the right side of the charts; the labels stand outside
+TOPS, HEIGHT = (24.0, 228.0), 150.0  # px, of the two charts, one above the other
 GREEN, GRID, QUIET = "#2b8a3e", "#e4e8ec", "#52606d"
 
-# What a logarithmic axis shows: below is rounding, above is so far from the data that how far does not matter.
+# The decades that a logarithmic axis shows: below them is rounding, and above them all fits are useless alike.
 DECADES = (-17.0, 2.0)
-PLAIN = (-3, 2)  # decades that are written out, 0.001 to 100
-MOST_DECADES, MOST_COSINES, MOST_DEGREES = 5, 6, 12  # steps between ticks
+PLAIN = (-3, 2)  # decades whose labels are written as decimals, 0.001 … 100
+MOST_DECADES, MOST_COSINES, MOST_DEGREES = 5, 6, 12  # the most ticks, and labels of degrees
 COSINE_STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -28,20 +28,20 @@ ENOUGH = f'<rect x="-8" y="-5" width="16" height="10" fill="{GREEN}" fill-opacit
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """One measure by degree, in the units of its axis.
+    """The chart of one measure by degree.
 
     Attributes
     ----------
     name, heading
-        What is drawn, for programs and for people.
+        The id of the SVG group, and the title.
     values
-        (k,), one for each step; not all need be finite.
+        (k,), one for each step, in the unit of the axis; some may not be finite.
     threshold, label
-        Where it is good enough from, and how to say so.
+        The value from which on the measure is good enough, and its label.
     worst, best
-        The ends of the axis.
+        The lower and the upper end of the chart, in the unit of the axis.
     ticks
-        Where lines are drawn across the chart, and what is written next to them.
+        The values at which lines are drawn across the chart, and their labels.
 
     """
 
@@ -55,19 +55,19 @@ class Chart:
     ticks: list[tuple[float, str]]
 
     def height(self, values: ipcore.FloatArray) -> ipcore.FloatArray:
-        """Return px from the top; what is off the axis is at its end, and what is no number at the worst."""
+        """Return the distance of values from the top, px: those off the axis are put at its end, NaN at the worst."""
         low, high = sorted((self.worst, self.best))
         inside = np.clip(np.where(np.isnan(values), self.worst, values), low, high)
         return HEIGHT * (high - inside) / (high - low)
 
     def off(self) -> list[bool]:
-        """Return which values are not on the axis, so that their markers only say on which side."""
+        """Return which values are off the axis: their markers stand at its end."""
         low, high = sorted((self.worst, self.best))
         return [not low <= value <= high for value in self.values.tolist()]
 
 
 def draw(result: ipcore.FitResult) -> tuple[str, LegendEntries]:
-    """Return the charts, drawn from the origin to the right and down, and the entries of their legend."""
+    """Return the charts, with their upper left corner at the origin, and the entries of their legend."""
     degrees = np.array([step.degree for step in result.steps])
     across = LEFT + (degrees - degrees[0] + 0.5) * (WIDTH - LEFT) / (degrees[-1] - degrees[0] + 1)
     chosen = [step.degree == result.degree for step in result.steps]
@@ -105,12 +105,12 @@ def _smoothness(result: ipcore.FitResult) -> Chart:
 
 
 def _count(least: float, step: float) -> int:
-    """Return how many steps it takes down from 1 to the least value; rounding makes no further one."""
+    """Return the number of steps from 1 down to the least value, not counting one that is due to rounding."""
     return ceil((1.0 - least) / step - 1e-9)
 
 
 def _power_of_ten(k: int) -> str:
-    """Write 10^k.
+    """Return 10^k as text.
 
     >>> _power_of_ten(-2), _power_of_ten(-12)
     ('0.01', '10⁻¹²')
@@ -119,7 +119,10 @@ def _power_of_ten(k: int) -> str:
 
 
 def _chart(chart: Chart, across: ipcore.FloatArray, chosen: list[bool]) -> str:
-    """Return a chart from the top of its axis: what is good enough, grid, line, then markers."""
+    """Return the SVG of a chart with its top at 0: the area that is good enough, the grid, the line, the markers.
+
+    `across` (k,) are the places of the steps from the left, px; `chosen` marks the step that was delivered.
+    """
     down = chart.height(chart.values)
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, down, strict=True))
     return "\n".join(
@@ -150,7 +153,7 @@ def _grid(chart: Chart) -> list[str]:
 
 
 def _threshold(chart: Chart) -> str:
-    """Return the line and its label; nothing if it is not on the axis."""
+    """Return the SVG of the threshold and its label; nothing if it is off the axis."""
     low, high = sorted((chart.worst, chart.best))
     if not low <= chart.threshold <= high:
         return ""
@@ -161,7 +164,7 @@ def _threshold(chart: Chart) -> str:
     )
 
 
-def _marker(x: float, y: float, off: bool, chosen: bool) -> str:  # noqa: FBT001 - two facts about a marker
+def _marker(x: float, y: float, off: bool, chosen: bool) -> str:  # noqa: FBT001 - two properties of a marker
     at = f'cx="{x:.1f}" cy="{y:.1f}"'
     paint = f'fill="#fff" stroke="{BLUE}" stroke-width="1.5" stroke-dasharray="2 1.5"' if off else f'fill="{BLUE}"'
     ring = f'<circle class="chosen" {at} r="7" fill="none" stroke="{BLUE}" stroke-width="1.6"/>' if chosen else ""
@@ -169,14 +172,14 @@ def _marker(x: float, y: float, off: bool, chosen: bool) -> str:  # noqa: FBT001
 
 
 def _degrees(degrees: ipcore.IntArray, across: ipcore.FloatArray, chosen: int) -> str:
-    """Return the axis that both charts share: every so many degrees, and always the chosen one."""
+    """Return the axis of degrees that both charts share: evenly spaced labels, and always that of the chosen degree."""
     every = ceil(len(degrees) / MOST_DEGREES)
     y = TOPS[1] + HEIGHT
     labels = []
     for degree, x in zip(degrees.tolist(), across, strict=True):
         this = degree == chosen
         if this or (degree % every == 0 and abs(degree - chosen) >= every):
-            look = 'font-weight="700"' if this else f'fill="{QUIET}"'
-            labels.append(f'<text x="{x:.1f}" y="{y + 18:g}" text-anchor="middle" {look}>{degree}</text>')
+            style = 'font-weight="700"' if this else f'fill="{QUIET}"'
+            labels.append(f'<text x="{x:.1f}" y="{y + 18:g}" text-anchor="middle" {style}>{degree}</text>')
     labels.append(f'<text x="{LEFT - 8:g}" y="{y + 18:g}" text-anchor="end" fill="{QUIET}">degree</text>')
     return "\n".join(labels)

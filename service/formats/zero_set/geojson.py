@@ -29,6 +29,7 @@ def write(curve: ipcore.ZeroSet) -> bytes:
 
 
 def _geometry(lines: list[ipcore.FloatArray]) -> dict[str, object] | None:
+    """Return the GeoJSON geometry of lines (n, 2) each; None if there are none."""
     if not lines:
         return None
     polygons = _polygons(lines) if all((line[0] == line[-1]).all() for line in lines) else None
@@ -40,7 +41,7 @@ def _geometry(lines: list[ipcore.FloatArray]) -> dict[str, object] | None:
 
 
 def _polygons(rings: list[ipcore.FloatArray]) -> list[list[ipcore.FloatArray]] | None:
-    """Return the outer rings, each with its holes behind it; None if a hole lies in no outer ring."""
+    """Return polygons: each an outer ring and then its holes, (n, 2) each; None if a hole lies in no outer ring."""
     outer = sorted((ring for ring in rings if _area(ring) > 0.0), key=_area)
     polygons = [[ring] for ring in outer]
     for hole in (ring for ring in rings if _area(ring) <= 0.0):
@@ -58,7 +59,7 @@ def _area(ring: ipcore.FloatArray) -> float:
 
 
 def _within(point: ipcore.FloatArray, ring: ipcore.FloatArray) -> bool:
-    """Return whether a point (2,) is within a closed ring (n, 2): a ray to the right crosses it oddly often."""
+    """Return whether a point (2,) is within a closed ring (n, 2), which a ray from it then crosses oddly often."""
     (x0, y0), (x1, y1) = (ring[:-1] - point).T, (ring[1:] - point).T
     crosses = (y0 > 0.0) != (y1 > 0.0)
     right = (x0 * y1 - x1 * y0) * (y1 - y0) > 0.0  # the crossing's x is (x0 y1 − x1 y0)/(y1 − y0)

@@ -17,5 +17,5 @@ def write(surface: ipcore.ZeroSet) -> bytes:
 
 
 def _lines(pattern: str, table: Table) -> bytes:
-    """Return one line per row (…, k). One `%` for many rows takes a third of the time of one for each."""
+    """Return a line of text for each row of an array. One `%` for many rows takes a third of the time of one each."""
     return (pattern * len(table) % tuple(table.ravel().tolist())).encode("ascii")

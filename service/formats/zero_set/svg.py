@@ -3,7 +3,7 @@
 import ipcore
 from service.formats.zero_set.box import corners
 
-MARGIN = 0.05  # of the longer side, on each side of a picture: wider than any stroke
+MARGIN = 0.05  # of the longer side, on each side of the picture: wider than any stroke
 
 SVG = """\
 <svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" data-origin="{x} {y}">
@@ -17,8 +17,8 @@ stroke-linejoin="round" vector-effect="non-scaling-stroke"/>
 def write(curve: ipcore.ZeroSet) -> bytes:
     """Return an SVG picture: one path, y up, with a stroke of 1.5 pixels at any size.
 
-    Programs that show SVG compute in float32, so the path is drawn about the middle of the curve; `data-origin` has
-    what to add to get the data's coordinates. To fill the inside, set `fill`: the rule is even-odd.
+    Programs that show SVG compute in float32, so the coordinates of the path are relative to the middle of the curve,
+    which stands in `data-origin`. To fill the inside, set `fill`: the rule is even-odd.
     """
     lines = curve.polylines()
     lower, upper = corners(curve.vertices)
@@ -30,6 +30,7 @@ def write(curve: ipcore.ZeroSet) -> bytes:
 
 
 def _subpath(line: ipcore.FloatArray) -> str:
+    """Return the SVG path of a line (n, 2); it is closed if its last point is its first."""
     closed = bool((line[0] == line[-1]).all())
     body = "L".join(f"{x:.7g} {y:.7g}" for x, y in (line[:-1] if closed else line).tolist())
     return f"M{body}" + "Z" * closed
