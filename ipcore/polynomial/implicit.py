@@ -87,16 +87,16 @@ class ImplicitPolynomial:
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Return f at raw points x (M, d), shape (M,)."""
-        values: FloatArray = self._evaluate(self.tensor[None], x)[0]
+        values: FloatArray = evaluation.scattered(self.tensor[None], self._tables(x))[0]
         return values
 
     def gradient(self, x: FloatArray) -> FloatArray:
         """Return ∇f at raw points x (M, d), shape (M, d), per raw unit of length."""
-        return self._evaluate(self._derivatives[1:], x).T
+        return evaluation.scattered(self._derivatives[1:], self._tables(x)).T
 
     def value_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return f (M,) and ∇f (M, d) at raw points x (M, d), in little more time than one of them takes."""
-        both = self._evaluate(self._derivatives, x)
+        both = evaluation.scattered(self._derivatives, self._tables(x))
         return both[0], both[1:].T
 
     def hessian(self, x: FloatArray) -> FloatArray:
@@ -105,7 +105,7 @@ class ImplicitPolynomial:
         pairs = [(row, column) for row in range(d) for column in range(row, d)]
         second = np.stack([self._differentiate(self._derivatives[1 + row], column) for row, column in pairs])
         out = np.empty((len(x), d, d))
-        for (row, column), values in zip(pairs, self._evaluate(second, x), strict=True):
+        for (row, column), values in zip(pairs, evaluation.scattered(second, self._tables(x)), strict=True):
             out[:, row, column] = out[:, column, row] = values
         return out
 
@@ -129,7 +129,8 @@ class ImplicitPolynomial:
 
         `tensor` times these, along each axis, is f on the grid.
         """
-        return [self._table(lines, axis).T for axis, lines in enumerate(axes)]
+        variables = [self.variable(lines, axis) for axis, lines in enumerate(axes)]
+        return [univariate.table(self.basis, t, self.degree).T for t in variables]
 
     def variable(self, coordinates: FloatArray, axis: int) -> FloatArray:
         """Return the variable of the univariate functions at raw coordinates along one axis, in their shape."""
@@ -223,24 +224,19 @@ class ImplicitPolynomial:
             return Box(self.frame.centre, np.full(self.dimension, self.frame.scale))
         return Box.of(self.bounds)
 
-    def _table(self, coordinates: FloatArray, axis: int) -> FloatArray:
-        """Return the univariate functions at raw coordinates along one axis, (n+1, M)."""
-        return univariate.table(self.basis, self.variable(coordinates, axis), self.degree)
-
     def _differentiate(self, tensor: FloatArray, axis: int) -> FloatArray:
+        """Return the tensor (n+1, …) of the derivative along an axis of the polynomial with a tensor (n+1, …)."""
         D = univariate.differentiation(self.basis, self.degree) / self._box.half[axis]
         rows = tensor.reshape(len(D) ** axis, len(D), -1)  # the axes before it, it, and those behind
         return np.asarray(np.matmul(D, rows).reshape(tensor.shape))
 
-    def _evaluate(self, tensors: FloatArray, x: FloatArray) -> FloatArray:
-        return evaluation.scattered(tensors, self._tables(x))
-
     def _tables(self, x: FloatArray) -> list[FloatArray]:
         """Return the univariate functions at raw points x (M, d), (n+1, M) for each axis."""
         x = self._checked(x)
-        return [self._table(np.ascontiguousarray(x[:, axis]), axis) for axis in range(self.dimension)]
+        return [table.T for table in self.tables([np.ascontiguousarray(column) for column in x.T])]
 
     def _checked(self, x: FloatArray) -> FloatArray:
+        """Return points x as doubles (M, d), or raise."""
         x = np.asarray(x, dtype=np.float64)
         if x.ndim != 2 or x.shape[1] != self.dimension:
             raise InvalidPointsError(f"points must have shape (M, {self.dimension}), not {x.shape}", ("points",))

@@ -57,11 +57,18 @@ def test_nothing_moves_if_both_are_met_or_cannot_be(far: float, turned: float) -
     assert (descent.objective.angle_weight, descent.iterations) == (1.0, 0)
 
 
+class Untraded(Traded):
+    """Excesses that both grow with λ."""
+
+    def excesses(self, fit: Refined) -> tuple[float, float]:
+        root = float(fit.coefficients[0]) ** 0.5
+        return self._far * root, self._turned * root
+
+
 def test_the_weight_of_the_best_fit_is_kept_when_the_next_is_worse() -> None:
-    descent = Traded(0.2, 5.0)  # (5/0.2)^1.5 = 125 and more: the first step overshoots to an excess of the distance
-    fit = balance(descent, fit_at(1.0), 1.0)
-    assert fit.coefficients[0] == descent.objective.angle_weight
-    assert descent.excess(fit) <= descent.excess(fit_at(1.0))
+    descent, first = Untraded(0.5, 1.5), fit_at(1.0)
+    assert balance(descent, first, 1.0) is first
+    assert (descent.objective.angle_weight, descent.iterations) == (1.0, 1)
 
 
 def test_the_weight_stays_within_its_range() -> None:

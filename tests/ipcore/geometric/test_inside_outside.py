@@ -56,12 +56,12 @@ def test_thin_parts_have_an_inside() -> None:
 
 
 def test_a_part_thinner_than_the_coarse_grid_has_an_inside() -> None:
-    x = np.arange(-5.0, 5.0, 0.05)  # a slab 0.2 thick, in a box where the lines of the coarse grid are 0.32 apart
-    points = np.vstack([np.column_stack([x, np.full(len(x), y)]) for y in (0.06, 0.26)])
+    x = np.arange(-5.0, 5.0, 0.05)  # a slab 0.2 thick, in a box between two lines of the coarse grid, at ±0.16
+    points = np.vstack([np.column_stack([x, np.full(len(x), y)]) for y in (-0.1, 0.1)])
     normals = np.vstack([np.tile([0.0, -1.0], (len(x), 1)), np.tile([0.0, 1.0], (len(x), 1))])
     sides = InsideOutside(points, normals, np.array([[-10.0, -10.0], [10.0, 10.0]]))
     along = np.linspace(-4.0, 4.0, 60)
-    for y, side in ((0.1, -1.0), (0.22, -1.0), (0.0, 1.0), (0.33, 1.0)):
+    for y, side in ((-0.05, -1.0), (0.05, -1.0), (-0.2, 1.0), (0.2, 1.0)):
         assert (sides.classify(np.column_stack([along, np.full(60, y)])).side == side).all()
 
 

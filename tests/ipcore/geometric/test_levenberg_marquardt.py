@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipcore._typing import FloatArray
-from ipcore.geometric.levenberg_marquardt import Effort, condition, refine, unit_diagonal
+from ipcore.geometric.levenberg_marquardt import FIRST_DAMPING, Effort, condition, refine, unit_diagonal
 from ipcore.geometric.objective import Evaluation
 
 EPS = np.finfo(float).eps
@@ -60,9 +60,10 @@ class Scripted:
     """An objective whose values are given in advance, one for each evaluation."""
 
     def __init__(self, *values: float) -> None:
-        self._values = iter(values)
+        self._values, self.places = iter(values), list[float]()
 
     def evaluate(self, a: FloatArray) -> Evaluation:
+        self.places.append(float(a[0]))
         return Evaluation(a, a, a, [], next(self._values))
 
     def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
@@ -72,6 +73,19 @@ class Scripted:
 def test_a_large_gain_renews_the_patience() -> None:
     fit = refine(Scripted(100.0, 99.0, 50.0, 49.5, 20.0, 19.9, 19.8), np.zeros(1), Effort(100, 0.1, 2))
     assert (fit.steps, fit.evaluation.value) == (6, 19.8)
+
+
+@pytest.mark.parametrize(("agreement", "factor"), [(1.0, 0.1), (0.5, 1.0), (0.1, 1.512)])
+def test_damping_follows_the_agreement_of_gain_and_model(agreement: float, factor: float) -> None:
+    """With H = r = 1 a step is 1/(1 + μ), from which the damping μ is read; the model predicts a gain of p (2 − p)."""
+    rising = [2.0] * 6  # after which the damping is 4 · 8 · … · 128 times the first
+    damping = FIRST_DAMPING * 2.0**27
+    step = 1.0 / (1.0 + damping)
+    script = Scripted(1.0, *rising, 1.0 - agreement * step * (2.0 - step), 0.0)
+    refine(script, np.zeros(1), Effort(2, 0.0, 2))
+    *_, here, there = script.places
+    assert here == pytest.approx(step, rel=1e-12)
+    assert 1.0 / (there - here) - 1.0 == pytest.approx(factor * damping, rel=1e-6)
 
 
 def test_at_the_minimum_nothing_moves() -> None:
