@@ -30,6 +30,7 @@ NOT_NPY = (
     RecursionError,
     MemoryError,
     OverflowError,
+    UserWarning,  # of a header from Python 2, where warnings are errors; elsewhere such a file is read
 )
 MESSAGE_LENGTH = 200  # of what numpy says about a header; it quotes the header, which may be long
 
