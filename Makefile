@@ -19,7 +19,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check chaos bench bench-parts bench-paper bench-quality lock openapi clean help
+.PHONY: serve test check chaos bench bench-parts bench-paper bench-predictions bench-quality lock openapi clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -48,6 +48,9 @@ bench-parts: $(VENV)/.dev-stamp ## time the parts alone, on one thread
 
 bench-paper: $(VENV)/.bench-stamp ## write bench/PAPER.md (IPFIT_BENCH_DATA names the folder of point sets)
 	$(BIN)/python bench/paper.py $(ARGS)
+
+bench-predictions: $(VENV)/.bench-stamp ## write bench/PREDICTIONS.md, predicted beside measured times
+	$(BIN)/python bench/predictions.py $(ARGS)
 
 bench-quality: $(VENV)/.bench-stamp ## write bench/QUALITY.md (from the same folder)
 	$(BIN)/python bench/quality.py $(ARGS)

@@ -8,12 +8,13 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ipcore._threads import limited, using
+from ipcore.constraints.families import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.geometric.fit import GeometricFit
 from ipcore.linear.dense import LeastSquaresFit, TaubinFit
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import DataRows
-from ipcore.options.choices import Constraints, Criterion, Factor, Granularity, chosen, integer
+from ipcore.options.choices import Criterion, Factor, Granularity, chosen, integer
 from ipcore.options.fit_options import HIGHEST_DEGREE, FitOptions
 from ipcore.points import validation
 from ipcore.points.oriented import OrientedPoints
@@ -28,7 +29,7 @@ from ipcore.search.stopping import Judge, LastJudge, judge
 
 
 def fit(
-    points: ArrayLike | Iterator[Any],
+    points: ArrayLike | PointSet | Iterator[Any],
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
@@ -82,7 +83,7 @@ def fit(
 
 
 def fit_fixed(
-    points: ArrayLike,
+    points: ArrayLike | PointSet,
     normals: ArrayLike | None = None,
     options: FitOptions | None = None,
     *,
@@ -130,7 +131,7 @@ def fit_fixed(
     return _searched(given, options, [columns], LastJudge(), None)
 
 
-def _given(points: ArrayLike | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
+def _given(points: ArrayLike | PointSet | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
     """Return what is to be fitted, checked."""
     if isinstance(points, Iterator):
         return spooled(points, normals)
@@ -157,7 +158,7 @@ def way(data: OrientedPoints, options: FitOptions, top: int) -> Fitter:
 
 def linear(data: OrientedPoints, options: FitOptions, top: int) -> Fitter:
     """Return the linear way."""
-    if options.constraints is Constraints.TAUBIN:
+    if not options.family.is_least_squares:
         return TaubinFit(data, options, top)
     if options.factor in {Factor.BLOCK, Factor.GRAM_SCHMIDT} or options.needs_rows:
         return LeastSquaresFit(data, options, top)

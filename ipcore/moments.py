@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from ipcore import _threads
 from ipcore._threads import limited
 from ipcore._typing import FloatArray
+from ipcore.constraints.families import LAYERED_NAMES
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
-from ipcore.linear.constraints import families
 from ipcore.linear.layer_moments import LayerMoments
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import MomentRows, RowSource, SummedRows
@@ -24,6 +24,7 @@ from ipcore.points.digest import sha256
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.sample import Sample
 from ipcore.points.stream import streamed
+from ipcore.points.validation import PointSet
 from ipcore.polynomial.frame import Frame
 from ipcore.search.degree_search import DegreeSearch, Progress, stops
 from ipcore.search.report import answer
@@ -95,9 +96,9 @@ class Moments:
             If the points cannot be fitted, or the options ask for what is not a matter of moments.
 
         """
-        offsets = families.offsets(options or FitOptions())
+        offsets = (options or FitOptions()).layer_offsets
         if not offsets:
-            raise InvalidOptionsError("moments are for constraints 3l and 5l", ("constraints",))
+            raise InvalidOptionsError(f"moments are for constraints {LAYERED_NAMES}", ("constraints",))
         x = (
             validation.check(points).points
             if frame is None
@@ -117,7 +118,7 @@ class Moments:
         (True, False)
         """
         linear = options.is_linear and not options.needs_rows
-        return linear and options.factor in {Factor.AUTO, Factor.MOMENTS} and bool(families.offsets(options))
+        return linear and options.factor in {Factor.AUTO, Factor.MOMENTS} and bool(options.layer_offsets)
 
     @property
     def count(self) -> int:
@@ -172,7 +173,7 @@ class Moments:
         self,
         options: FitOptions | None = None,
         *,
-        points: ArrayLike | None = None,
+        points: ArrayLike | PointSet | None = None,
         normals: ArrayLike | None = None,
         progress: Progress | None = None,
     ) -> FitResult:
@@ -257,7 +258,7 @@ class Moments:
                 "false, or fit the points themselves",
                 ("geometric",),
             )
-        if families.offsets(options) != self.layers.offsets:
+        if options.layer_offsets != self.layers.offsets:
             raise InvalidOptionsError(f"these are moments of layers at {self.layers.offsets}", ("layer_distance",))
 
     def _reached(self, options: FitOptions) -> int:
@@ -276,7 +277,7 @@ class Moments:
         return data, MomentRows(self.layers), sha256(self.sample.points, self.sample.normals)
 
     def _with(
-        self, points: ArrayLike, normals: ArrayLike | None, options: FitOptions
+        self, points: ArrayLike | PointSet, normals: ArrayLike | None, options: FitOptions
     ) -> tuple[OrientedPoints, RowSource, str]:
         """Return the points, their rows, and their digest."""
         given = streamed(points, normals) or validation.check(points, normals)

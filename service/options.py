@@ -1,14 +1,19 @@
-"""The options of a fit, as JSON, as query parameters, on the command line and in the README: said once, here.
+"""The options of a fit as JSON, query parameters, arguments of the command line and a table of the README.
 
-Each says what it is for, when to change it and what that costs. Whether they fit each other is for the library to say.
+Options come in here as strings and leave as `ipcore.FitOptions`; no other module converts them. Each field says what
+the option is for, when to change it and what that costs. Choices come from the library's enumerations, and whether the
+options agree with each other is checked by the library.
 """
 
-from typing import Literal, get_args
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
-Constraints = Literal["3l", "5l", "3l+gradient", "gradient-one", "min-max", "min-var", "taubin"]
+import ipcore
+from service.choices import OneOf, alternatives, words
+from service.jobs.errors import InvalidInputError, json_pointer
+from service.jobs.requested_options import RequestedOptions
 
 
 class FitOptions(BaseModel):
@@ -16,8 +21,8 @@ class FitOptions(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    preset: Literal["default", "paper"] = Field(
-        "default",
+    preset: Annotated[ipcore.Preset, OneOf(ipcore.Preset)] = Field(
+        ipcore.Preset.DEFAULT,
         description="Which defaults the other options have. `paper` is the algorithm of 2007 to the letter: column by "
         "column, eq. (5), collinear columns dropped, ridge of eq. (8). Take it to compare with the literature; it "
         "loses orthogonality at high degree and is many times slower.",
@@ -30,8 +35,8 @@ class FitOptions(BaseModel):
         "answer or a bound on time, raise it for fine detail; time grows with the square of the number of "
         "coefficients.",
     )
-    constraints: Constraints = Field(
-        "3l",
+    constraints: Annotated[ipcore.Constraints, OneOf(ipcore.Constraints)] = Field(
+        ipcore.Constraints.THREE_LAYER,
         description="What is asked of f at each point. `3l`: its value on three layers. `5l` and `3l+gradient` hold "
         "the gradient better at high degree, for twice the rows. `gradient-one`, `min-max`, `min-var`: value and "
         "gradient on the points alone; for noisy normals weigh the gradient down. `taubin` needs no normals and is "
@@ -51,8 +56,8 @@ class FitOptions(BaseModel):
         description="μ, the weight of gradient rows against value rows, in the families that have them. Lower it for "
         "noisy normals. Costs nothing.",
     )
-    criterion: Literal["distance", "gcv", "bic", "loo", "none"] = Field(
-        "distance",
+    criterion: Annotated[ipcore.Criterion, OneOf(ipcore.Criterion)] = Field(
+        ipcore.Criterion.DISTANCE,
         description="When to stop. `distance`: D_dist < t1 and D_smooth > t2. On noisy points, which never get that "
         "close, `gcv`, `bic` or `loo` (leave one point out) take the degree that predicts best, after trying a few "
         "more. `none` goes to max_degree and returns it.",
@@ -70,19 +75,19 @@ class FitOptions(BaseModel):
         le=1,
         description="Smooth enough when D_smooth > t2, a mean cosine. Lower it for shapes with many sharp corners.",
     )
-    granularity: Literal["form", "monomial"] = Field(
-        "form",
+    granularity: Annotated[ipcore.Granularity, OneOf(ipcore.Granularity)] = Field(
+        ipcore.Granularity.FORM,
         description="What is added between two tests: all monomials of a degree, or one. `form` does not depend on "
         "how the points are turned. `monomial` may save a few coefficients and tests, at its cost, after each of them.",
     )
-    factor: Literal["auto", "moments", "tsqr", "block", "gram-schmidt"] = Field(
-        "auto",
+    factor: Annotated[ipcore.Factor, OneOf(ipcore.Factor)] = Field(
+        ipcore.Factor.AUTO,
         description="How the system is factored. `moments`: from sums over the points, for 3l and 5l, refined on the "
         "rows where squaring the condition would show; the fastest, in memory that does not grow with the points. "
         "`tsqr`: by chunks of rows, backward stable. `block`: all at once, Gram–Schmidt done twice. `gram-schmidt`: "
         "eq. (5) as printed, to compare with; it loses orthogonality from about degree 12 on. `auto` chooses.",
     )
-    collinear: Literal["drop", "ridge", "keep"] | None = Field(
+    collinear: Annotated[ipcore.Collinear, OneOf(ipcore.Collinear)] | None = Field(
         None,
         description="What is done with a column that earlier ones explain: leave it out (the default), regularise it "
         "(the default of the selective ridge), or nothing.",
@@ -90,13 +95,13 @@ class FitOptions(BaseModel):
     collinear_tol: float = Field(
         1e-10, ge=0, le=1, description="A column is collinear when at most this share of its length is new."
     )
-    ridge: Literal["none", "full", "selective"] = Field(
-        "none",
+    ridge: Annotated[ipcore.Ridge, OneOf(ipcore.Ridge)] = Field(
+        ipcore.Ridge.NONE,
         description="Ridge regression: of every column, or only of those near collinear. It calms a high degree on "
         "few or noisy points, and costs closeness.",
     )
-    ridge_matrix: Literal["invariant", "identity"] = Field(
-        "invariant",
+    ridge_matrix: Annotated[ipcore.RidgeMatrix, OneOf(ipcore.RidgeMatrix)] = Field(
+        ipcore.RidgeMatrix.INVARIANT,
         description="D of the ridge: that of the paper's appendix, which no rotation changes, or the identity.",
     )
     ridge_strength: float = Field(
@@ -134,8 +139,8 @@ class FitOptions(BaseModel):
         description="Neighbours that estimate a normal, when no normals are given. Raise it for noise, lower it for "
         "thin parts and sharp edges.",
     )
-    basis: Literal["monomial", "chebyshev"] = Field(
-        "monomial",
+    basis: Annotated[ipcore.Basis, OneOf(ipcore.Basis)] = Field(
+        ipcore.Basis.MONOMIAL,
         description="What the coefficients multiply: powers of (x − centre)/scale, or products of Chebyshev "
         "polynomials on the bounds, which keep more digits at high degree.",
     )
@@ -146,22 +151,68 @@ class FitOptions(BaseModel):
     )
 
 
-UNSAID = {"max_degree": "by dimension", "collinear": "by `ridge`", "signs": "see `geometric`", "geometric": "on"}
+# How the README and the command line describe a default that depends on something else.
+DEPENDENT_DEFAULTS = {
+    "max_degree": "by dimension",
+    "collinear": "by `ridge`",
+    "signs": "see `geometric`",
+    "geometric": "on",
+}
+
+
+def requested(body: dict[str, Any], query: dict[str, Any] | None = None) -> RequestedOptions:
+    """Return the options of a request; those in the query take the place of those in the body.
+
+    Parameters
+    ----------
+    body
+        Options by name, from JSON, unchecked.
+    query
+        Options by name that `FitOptions` has validated.
+
+    Raises
+    ------
+    InvalidInputError
+        If an option is unknown, has a value that is not allowed, or contradicts another; `at` names it.
+
+    """
+    try:
+        given = FitOptions.model_validate(body, strict=True).model_dump(exclude_unset=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        at = ("options", *first["loc"])
+        raise InvalidInputError(f"{json_pointer(at)}: {first['msg']}", at) from error
+    return agreeing({**given, **(query or {})})
+
+
+def agreeing(given: dict[str, Any]) -> RequestedOptions:
+    """Return options whose values were validated one by one, once the library has checked them together.
+
+    Raises
+    ------
+    InvalidInputError
+        If two contradict each other; `at` names one.
+
+    """
+    options = RequestedOptions(given)
+    try:
+        _ = options.complete
+    except ipcore.InvalidOptionsError as error:
+        raise InvalidInputError(str(error), ("options", *error.at)) from error
+    return options
 
 
 def default(name: str) -> str:
-    """Return an option's default, for people."""
+    """Return the default of an option as Markdown text."""
     value = FitOptions.model_fields[name].default
-    return UNSAID[name] if value is None else f"`{str(value).lower()}`"
+    return DEPENDENT_DEFAULTS[name] if value is None else f"`{str(value).lower()}`"
 
 
 def values(field: FieldInfo) -> str:
-    """Return what an option allows, for people: its words, or its range."""
-    kinds = [kind for kind in (get_args(field.annotation) or [field.annotation]) if kind is not type(None)]
-    words = [word for kind in kinds for word in (get_args(kind) or [kind]) if isinstance(word, str)]
-    if words:
-        return " ".join(f"`{word}`" for word in words)
-    if bool in kinds:
+    """Return the values that an option allows as Markdown text: its words, or its range."""
+    if named := words(field.annotation):
+        return " ".join(f"`{word}`" for word in named)
+    if bool in alternatives(field.annotation):
         return "`true` `false`"
     signs = {"ge": "≥", "gt": ">", "le": "≤", "lt": "<"}
     return ", ".join(
@@ -170,7 +221,7 @@ def values(field: FieldInfo) -> str:
 
 
 def table() -> str:
-    """Return the options as a Markdown table: name, values, default, meaning."""
+    """Return all options as a Markdown table with the columns name, values, default and meaning."""
     rows = ["| option | values | default | meaning |", "| --- | --- | --- | --- |"]
     for name, field in FitOptions.model_fields.items():
         rows.append(f"| `{name}` | {values(field)} | {default(name)} | {field.description} |")

@@ -24,7 +24,8 @@ from contest.rounds import Scores, how_many, interleaved, seconds_of
 from contest.target import Target, at_least
 from contest.trial import Contender, Trial
 from evidence.table import table
-from ipcore.linear.constraints import three_layer
+from ipcore.constraints.family import RowParameters
+from ipcore.constraints.three_layer import ThreeLayer
 from ipcore.polynomial import graded, univariate
 from sets import FloatArray
 
@@ -52,7 +53,7 @@ class Rows:
     def of(cls, cloud: Cloud) -> "Rows":
         """Lay three layers along the normals."""
         frame = ipcore.Frame.of(cloud.points)
-        rows = three_layer.rows(frame.to_local(cloud.points), cloud.normals, LAYER)
+        rows = ThreeLayer().rows(frame.to_local(cloud.points), cloud.normals, RowParameters(LAYER, 0.0))
         return cls(np.concatenate([group.positions for group in rows.groups]), rows.b(1), frame)
 
     def columns(self) -> FloatArray:

@@ -24,7 +24,8 @@ from contest.process import Asked, alone
 from contest.rounds import Medians, Scores, how_many, interleaved
 from contest.trial import Contender, Trial
 from evidence.table import table
-from ipcore.linear.constraints import three_layer
+from ipcore.constraints.family import RowParameters
+from ipcore.constraints.three_layer import ThreeLayer
 from sets import FloatArray
 
 COUNT = 3000  # points: an RBF takes three centres for each
@@ -48,7 +49,7 @@ def by_rbf(cloud: Cloud) -> Surface:
     """Interpolate three layers, evaluate on a grid, and march."""
     frame = ipcore.Frame.of(cloud.points)
     x = frame.to_local(cloud.points)
-    rows = three_layer.rows(x, cloud.normals, LAYER)
+    rows = ThreeLayer().rows(x, cloud.normals, RowParameters(LAYER, 0.0))
     centres = np.concatenate([group.positions for group in rows.groups])
     low, high = x.min(axis=0) - MARGIN, x.max(axis=0) + MARGIN
     step = (high - low).max() / (GRID - 1)

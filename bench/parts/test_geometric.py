@@ -4,7 +4,7 @@ import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from ipcore import shapes
-from ipcore.geometric.levenberg_marquardt import Refined, refine
+from ipcore.geometric.levenberg_marquardt import Effort, Refined, refine
 from ipcore.geometric.objective import DataTables, Objective
 from ipcore.polynomial import graded
 from sets import FloatArray
@@ -22,7 +22,7 @@ def test_one_iteration(benchmark: BenchmarkFixture, torus: tuple[FloatArray, Flo
     a += 1e-3 * np.abs(a).max() * np.random.default_rng(0).normal(size=len(a)) / (1.0 + np.arange(len(a)))
 
     def work() -> Refined:
-        return refine(objective, a, steps=1, tolerance=0.0, patience=2)
+        return refine(objective, a, Effort(steps=1, tolerance=0.0, patience=2))
 
     fit = benchmark(work)
     assert fit.steps == 1

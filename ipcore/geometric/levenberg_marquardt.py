@@ -1,7 +1,8 @@
-"""Levenberg–Marquardt: Gauss–Newton steps, damped until they lead down.
+"""The Levenberg–Marquardt method: Gauss–Newton steps, damped until they decrease the objective.
 
-The damping follows Nielsen (Damping parameter in Marquardt's method, IMM-REP-1999-05): after a step that gains as much
-as the quadratic model says it falls tenfold, after one that gains nothing it grows, faster each time.
+The damping follows Nielsen (Damping parameter in Marquardt's method, IMM-REP-1999-05). After a step that decreases the
+objective as much as its quadratic model predicts, the damping falls tenfold; after a step that does not decrease it,
+the damping grows, by a factor that doubles each time.
 """
 
 from dataclasses import dataclass
@@ -13,44 +14,64 @@ from scipy.linalg import lapack
 from ipcore._typing import FloatArray
 from ipcore.geometric.objective import Evaluation
 
-# Relative to a unit diagonal. More keeps the new coefficients of a degree near 0, and the fit in the old one's minimum.
-FIRST = 1e-6
-LEAST = 1e-12
-TRIALS = 12  # of dampings: the last is about 10²⁰ times the first, no step at all
-FALL = 0.1
-# What is added to the diagonal, damping apart, where rounding has made the matrix indefinite.
-SHIFTS = (0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9)
+# Dampings are relative to a unit diagonal. With a larger first one, the coefficients that a degree adds stay near 0,
+# and the fit stays in the minimum of the degree below.
+FIRST_DAMPING = 1e-6
+LEAST_DAMPING = 1e-12
+GREATEST_FALL = 0.1  # the factor by which the damping falls after a step that the model predicts well
+DAMPING_TRIALS = 12  # per step: the last damping is 2⁷⁷ times the first, which leaves no step at all
+# Added to the unit diagonal beside the damping, one after the other, if rounding has made the matrix indefinite.
+DIAGONAL_SHIFTS = (0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9)
 
 
 class LeastSquares(Protocol):
     """A sum of squares, by its value and its normal equations."""
 
     def evaluate(self, a: FloatArray) -> Evaluation:
-        """Return what there is to see at a."""
+        """Return the evaluation at the coefficients a (m,)."""
         ...
 
     def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
-        """Return the Gauss–Newton matrix and half the negative gradient."""
+        """Return the Gauss–Newton matrix (m, m) and half the negative gradient (m,) at an evaluated point."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """Where the steps ended: the coefficients, what is seen there, and how many steps it took."""
+    """The result of a refinement: the coefficients (m,), their evaluation, and the number of steps taken."""
 
     coefficients: FloatArray
     evaluation: Evaluation
     steps: int
 
 
-def refine(objective: LeastSquares, a: FloatArray, steps: int, tolerance: float, patience: int) -> Refined:
-    """Go down from a until `patience` steps running have gained less than this share of the value each."""
-    evaluation, damping, slow, step = objective.evaluate(a), FIRST, 0, 0
-    for step in range(1, steps + 1):  # noqa: B007 - the number of steps is part of the answer
+@dataclass(frozen=True)
+class Effort:
+    """When a refinement ends.
+
+    Attributes
+    ----------
+    steps
+        The largest number of steps.
+    tolerance, patience
+        It ends earlier after `patience` steps in succession that each decrease the objective by a smaller share than
+        `tolerance`.
+
+    """
+
+    steps: int
+    tolerance: float
+    patience: int
+
+
+def refine(objective: LeastSquares, a: FloatArray, effort: Effort) -> Refined:
+    """Decrease the objective step by step from the coefficients a (m,), with the given effort."""
+    evaluation, damping, slow, step = objective.evaluate(a), FIRST_DAMPING, 0, 0
+    for step in range(1, effort.steps + 1):  # noqa: B007 - the number of steps is part of the answer
         H, r = objective.normal_equations(evaluation)
         scaled, s = unit_diagonal(H)
         grow = 4.0
-        for _ in range(TRIALS):
+        for _ in range(DAMPING_TRIALS):
             p = s * _solved(scaled, s * r, damping)
             there = objective.evaluate(a + p)
             if there.value < evaluation.value:
@@ -60,30 +81,27 @@ def refine(objective: LeastSquares, a: FloatArray, steps: int, tolerance: float,
             break
         gain = evaluation.value - there.value
         agreement = gain / float(p @ (2.0 * r - H @ p))
-        slow = slow + 1 if gain < tolerance * evaluation.value else 0
+        slow = slow + 1 if gain < effort.tolerance * evaluation.value else 0
         a, evaluation = a + p, there
-        damping = max(damping * max(FALL, 1.0 - (2.0 * agreement - 1.0) ** 3), LEAST)
-        if slow == patience:
+        damping = max(damping * max(GREATEST_FALL, 1.0 - (2.0 * agreement - 1.0) ** 3), LEAST_DAMPING)
+        if slow == effort.patience:
             break
     return Refined(a, evaluation, step)
 
 
-def solve(H: FloatArray, r: FloatArray, damping: float = 0.0) -> FloatArray:
-    """Return p with (H + damping · diag H) p = r, H (m, m) symmetric and not negative.
-
-    >>> solve(np.array([[2.0, 0.0], [0.0, 4.0]]), np.array([2.0, 2.0])).round(12).tolist()
-    [1.0, 0.5]
-    """
-    scaled, s = unit_diagonal(H)
-    return np.asarray(s * _solved(scaled, s * r, damping))
-
-
 def _solved(scaled: FloatArray, r: FloatArray, damping: float) -> FloatArray:
-    """Return p with (scaled + damping · 1) p = r, the diagonal being 1."""
-    for shift in SHIFTS:
+    """Return p (m,) with (scaled + damping · 1) p = r, where `scaled` (m, m) has diagonal 1, and r is (m,).
+
+    Raises
+    ------
+    ArithmeticError
+        If the matrix is not positive definite, even with the greatest shift of its diagonal.
+
+    """
+    for shift in DIAGONAL_SHIFTS:
         A = scaled.copy()
         A.flat[:: len(A) + 1] = 1.0 + damping + shift
-        # the transpose of a symmetric matrix is itself, but in the order of LAPACK, which then makes no copy
+        # the transpose of a symmetric matrix is the same matrix in Fortran order, of which LAPACK makes no copy
         factor, failed = lapack.dpotrf(A.T, clean=False, overwrite_a=True)
         if not failed:
             return np.asarray(lapack.dpotrs(factor, r)[0])
@@ -91,13 +109,17 @@ def _solved(scaled: FloatArray, r: FloatArray, damping: float) -> FloatArray:
 
 
 def unit_diagonal(H: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return S H S with S diagonal such that the diagonal is 1, and S's own (m,)."""
+    """Return S H S, which has diagonal 1, and the diagonal (m,) of the diagonal matrix S; H is (m, m)."""
     s = 1.0 / np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
     return H * s * s[:, None], s
 
 
 def condition(H: FloatArray) -> tuple[float, float]:
-    """Return the estimated condition of the Jacobian with columns scaled to length 1, and max / min |r_ii| of its R."""
+    """Return two measures of the condition of a Jacobian J, given H = JᵀJ (m, m).
+
+    The first is the estimated condition of J with columns scaled to length 1. The second is the paper's, max |r_ii| /
+    min |r_ii| of the factor R of J. Both are infinite if H is not positive definite.
+    """
     scaled, _ = unit_diagonal(H)
     norm = np.abs(scaled).sum(axis=0).max()
     factor, failed = lapack.dpotrf(scaled.T, clean=False, overwrite_a=True)

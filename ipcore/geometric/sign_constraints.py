@@ -1,32 +1,34 @@
-"""Sign constraints: σ f ≥ τ at given places, σ the side (1 outside, −1 inside) and τ a margin that grows with distance.
+"""Sign constraints: σ f ≥ τ at given places, with σ the side (1 outside, −1 inside) and τ ≥ 0 a margin.
 
-A place that falls short by v = max(0, τ − σf) costs weight · v². Those that do are the active ones; their part of the
-normal equations is weight · Σ PᵀP over them, P the row of basis values, and weight · Σ σ v P, both from moments.
+A place where σ f falls short of τ by v = max(0, τ − σf) costs weight · v². The places with v > 0 are the active ones.
+Over them, with P the row of basis values, run the sums that a constraint set adds to the normal equations: the matrix
+Σ weight · PᵀP and the right-hand side Σ weight · σ v P. Both come from moments.
 """
 
 from copy import copy
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
 from ipcore._typing import FloatArray
 from ipcore.geometric.inside_outside import Classification, InsideOutside
 from ipcore.polynomial import evaluation, gram, univariate
+from ipcore.polynomial.box import Box
 from ipcore.polynomial.univariate import Basis
 
-# Nodes lie in the box grown by this factor: what hides between the outermost nodes would cut the box's walls.
-BEYOND = 1.02
-# The margin is this share of the distance beyond half of what is near, and at most that of 0.1 mean radii: τ ≤ 0.05.
-# f has slope 1 about, so where the fit is as close as asked, a margin of half the distance costs nothing.
-SLOPE = 0.5
-FARTHEST = 0.10
+# The nodes lie in the bounds grown by this factor: a branch hidden between the outermost nodes would cut the walls.
+BOUNDS_GROWTH = 1.02
+# τ = MARGIN_SLOPE · min(distance − blind radius / 2, MARGIN_DISTANCE), in mean radii, so τ ≤ 0.05. Near the data f has
+# slope 1, so where the fit is as close as the stopping rule wants, a margin of half the distance costs nothing.
+MARGIN_SLOPE = 0.5
+MARGIN_DISTANCE = 0.10
 
 
 class SignConstraints(Protocol):
-    """Places where f has a sign to have."""
+    """A set of sign constraints, as the objective uses it."""
 
     def shortfall(self, tensor: FloatArray) -> FloatArray:
-        """Return v, any shape, for the polynomial with these Chebyshev coefficients (n+1, …)."""
+        """Return v at every place, in the set's own shape, for the Chebyshev coefficients `tensor` (n+1, …) of f."""
         ...
 
     def cost(self, shortfall: FloatArray) -> float:
@@ -34,26 +36,29 @@ class SignConstraints(Protocol):
         ...
 
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
-        """Return the moments (C, 1) of weight over the active places, up to 2·degree."""
+        """Return the moments (C, 1) of the weights of the active places, up to degree 2·`degree`."""
         ...
 
     def half_descent(self, shortfall: FloatArray, degree: int) -> FloatArray:
-        """Return weight · Σ σ v P, (m,): half the cost's negative gradient."""
+        """Return Σ weight · σ v P, (m,): half the negative gradient of the cost."""
         ...
 
 
 def margin(located: Classification) -> FloatArray:
-    """Return τ at places."""
-    return SLOPE * np.minimum(located.distance - located.near / 2.0, FARTHEST)
+    """Return τ (M,) at M classified places."""
+    return MARGIN_SLOPE * np.minimum(located.distance - located.blind_radius / 2.0, MARGIN_DISTANCE)
 
 
 class SignNodes:
-    """All nodes of a Chebyshev–Lobatto grid: on an even grid sheets slip between the nodes near the walls."""
+    """Sign constraints at all nodes of a Chebyshev–Lobatto grid, the same number along every axis.
+
+    On an evenly spaced grid a polynomial of high degree has room for further branches between the nodes near the walls.
+    """
 
     def __init__(self, located: Classification, count: int, weight: float) -> None:
-        """Take what is known of the nodes (count^d,), in C order, and the weight of them all together."""
+        """Take the classified nodes (count^d,), in C order, and the weight of them all together."""
         d = round(np.log(len(located.side)) / np.log(count))
-        side, away = located.side, located.distance > located.near
+        side, away = located.side, located.distance > located.blind_radius
         self.unsure = float((side[away] == 0.0).mean()) if away.any() else 1.0
         self.side = side.reshape((count,) * d)
         self.margin = np.where(side == 0.0, 0.0, margin(located)).reshape((count,) * d)
@@ -62,22 +67,22 @@ class SignNodes:
         self._tables: dict[int, FloatArray] = {}
 
     @classmethod
-    def of(cls, sides: InsideOutside, bounds: FloatArray, count: int, weight: float) -> "SignNodes":
-        """Ask for the sides that are sure, on `count` nodes per axis of the bounds (2, d)."""
-        middle, half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
-        lines = [m + h * lobatto(count) for m, h in zip(middle, half, strict=True)]
+    def of(cls, sides: InsideOutside, bounds: FloatArray, count: int, weight: float) -> Self:
+        """Classify the nodes, `count` per axis of the bounds (2, d); `weight` is that of all nodes together."""
+        box = Box.of(bounds)
+        lines = [box.axis_from_cube(lobatto(count), axis) for axis in range(bounds.shape[1])]
         nodes = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
-        return cls(sides.at(nodes.reshape(-1, len(half))), count, weight)
+        return cls(sides.classify(nodes.reshape(-1, bounds.shape[1])), count, weight)
 
     def shortfall(self, tensor: FloatArray) -> FloatArray:
-        """Return v on the grid."""
+        """Return v (count, …) on the grid, for the Chebyshev coefficients `tensor` (n+1, …)."""
         values = evaluation.along_axes(tensor, [self._table(len(tensor) - 1).T] * tensor.ndim)
         values *= self.side
         np.subtract(self.margin, values, out=values)
         return np.maximum(values, 0.0, out=values)
 
-    def heavier(self, factor: float) -> "SignNodes":
-        """Return the same nodes with more weight."""
+    def heavier(self, factor: float) -> Self:
+        """Return the same constraints with `factor` times the weight."""
         heavy = copy(self)
         heavy.weight = factor * self.weight
         return heavy
@@ -87,32 +92,33 @@ class SignNodes:
         return self.weight * float(np.vdot(shortfall, shortfall))
 
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
-        """Return the moments (C, 1) of weight over the active nodes, up to 2·degree."""
+        """Return the moments (C, 1) of the weights of the active nodes, up to degree 2·`degree`."""
         mask = (shortfall > 0.0).astype(float)
         return self.weight * gram.grid_moments(mask, self._table(2 * degree))
 
     def half_descent(self, shortfall: FloatArray, degree: int) -> FloatArray:
-        """Return weight · Σ σ v P, (m,)."""
+        """Return Σ weight · σ v P, (m,)."""
         table = self._table(degree)
         tensor = evaluation.along_axes(shortfall * self.side, [table] * shortfall.ndim)
         return np.asarray(self.weight * evaluation.from_tensor(tensor, shortfall.ndim, degree))
 
     def _table(self, degree: int) -> FloatArray:
+        """Return the Chebyshev polynomials up to this degree at the grid lines, (degree + 1, count)."""
         if degree not in self._tables:
             self._tables[degree] = univariate.table(Basis.CHEBYSHEV, self._lines, degree)
         return self._tables[degree]
 
 
 class SignPoints:
-    """Single places, in the Chebyshev variables t."""
+    """Sign constraints at single places, given in the Chebyshev variables t."""
 
     def __init__(self, t: FloatArray, side: FloatArray, margin: FloatArray, weight: FloatArray) -> None:
-        """Take places (M, d), σ, τ and weights (M,)."""
+        """Take places (M, d), and σ, τ and weights (M,) each."""
         self.t, self.side, self.margin, self.weight = t, side, margin, weight
         self._tables: dict[int, list[FloatArray]] = {}
 
     def with_more(self, more: "SignPoints") -> "SignPoints":
-        """Return these and more."""
+        """Return these constraints followed by others."""
         return SignPoints(
             np.concatenate([self.t, more.t]),
             np.concatenate([self.side, more.side]),
@@ -121,7 +127,7 @@ class SignPoints:
         )
 
     def reweighted(self, shortfall: FloatArray, factor: float) -> "SignPoints":
-        """Return the same places, those where f has the wrong sign with more weight."""
+        """Return the same constraints, with `factor` times the weight where f has the wrong sign (v > τ)."""
         wrong = shortfall > self.margin
         return SignPoints(self.t, self.side, self.margin, np.where(wrong, factor * self.weight, self.weight))
 
@@ -130,20 +136,21 @@ class SignPoints:
         return float(self.weight @ shortfall**2)
 
     def shortfall(self, tensor: FloatArray) -> FloatArray:
-        """Return v (M,)."""
+        """Return v (M,), for the Chebyshev coefficients `tensor` (n+1, …)."""
         f = evaluation.scattered(tensor[None], self._at(len(tensor) - 1))[0]
         return np.asarray(np.maximum(self.margin - self.side * f, 0.0))
 
     def active(self, shortfall: FloatArray, degree: int) -> FloatArray:
-        """Return the moments (C, 1) of weight over the active places, up to 2·degree."""
+        """Return the moments (C, 1) of the weights of the active places, up to degree 2·`degree`."""
         return gram.moments(self._at(2 * degree), np.where(shortfall > 0.0, self.weight, 0.0)[None])
 
     def half_descent(self, shortfall: FloatArray, degree: int) -> FloatArray:
-        """Return weight · Σ σ v P, (m,)."""
+        """Return Σ weight · σ v P, (m,)."""
         mu = gram.moments(self._at(degree), (self.weight * self.side * shortfall)[None])
         return np.asarray(gram.in_graded_order(mu, self.t.shape[1], degree)[:, 0])
 
     def _at(self, degree: int) -> list[FloatArray]:
+        """Return the Chebyshev polynomials up to this degree at the places, (degree + 1, M) for each axis."""
         if degree not in self._tables:
             self._tables[degree] = [
                 univariate.table(Basis.CHEBYSHEV, np.ascontiguousarray(row), degree) for row in self.t.T
@@ -152,9 +159,9 @@ class SignPoints:
 
 
 def lobatto(count: int) -> FloatArray:
-    """Return `count` Chebyshev–Lobatto nodes, −BEYOND … BEYOND.
+    """Return `count` Chebyshev–Lobatto nodes from −BOUNDS_GROWTH to BOUNDS_GROWTH.
 
     >>> lobatto(3).round(2).tolist()
     [-1.02, -0.0, 1.02]
     """
-    return -BEYOND * np.cos(np.pi * np.arange(count) / (count - 1))
+    return -BOUNDS_GROWTH * np.cos(np.pi * np.arange(count) / (count - 1))

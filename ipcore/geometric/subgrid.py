@@ -1,8 +1,8 @@
-"""Pieces of a zero set that are smaller than a grid's cells.
+"""Components of a zero set that are smaller than the cells of a grid, so that no two nodes differ in sign.
 
-Between nodes of one sign a polynomial can dip to the other one and back. Where it does, |f| has a local minimum, which
-a fine grid still shows: the quadratic through the neighbours of its lowest node tells where the bottom is, and f there
-tells whether it is on the other side of 0.
+Between nodes of one sign a polynomial can reach the other sign and come back. Where it does, |f| has a local minimum,
+which a fine grid still shows: the quadratic through the neighbours of the lowest node estimates where the minimum is,
+and the sign of f at that place decides.
 """
 
 from itertools import product
@@ -13,46 +13,49 @@ from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.polynomial import evaluation, univariate
 from ipcore.polynomial.univariate import Basis
 
-REACH = 1.5  # cells from its lowest node within which a bottom is looked for
+MINIMUM_REACH = 1.5  # cells along each axis: the farthest from its lowest node that a minimum is taken to be
 
 
-def specks(tensor: FloatArray, lines: FloatArray, f: FloatArray, beside: BoolArray) -> tuple[FloatArray, FloatArray]:
-    """Return where f has the other sign than all nodes around, and its values there.
+def subgrid_components(
+    tensor: FloatArray, lines: FloatArray, f: FloatArray, excluded: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the local minima of |f| at which f has another sign than at all nodes around, and the values of f there.
 
     Parameters
     ----------
     tensor
-        (n+1, …), Chebyshev coefficients.
+        (n+1, …), Chebyshev coefficients of f.
     lines
-        (N,), even grid lines, the same along every axis.
+        (N,), evenly spaced grid lines, the same along every axis.
     f
-        (N, …), values on the grid.
-    beside
-        (N, …), nodes beside a change of sign: what is there is no speck.
+        (N, …), the values of f on the grid.
+    excluded
+        (N, …), nodes that are left out: those beside a change of sign, whose component the grid shows.
 
     Returns
     -------
-        (M, d) in the Chebyshev variables, and (M,).
+        (M, d), in the Chebyshev variables, and (M,).
 
     """
-    nodes = _lowest(np.abs(f), beside)
-    t = lines[nodes] + _to_bottom(f, nodes) * (lines[1] - lines[0])
+    nodes = _local_minima(np.abs(f), excluded)
+    t = lines[nodes] + _steps_to_minimum(f, nodes) * (lines[1] - lines[0])
     tables = [univariate.table(Basis.CHEBYSHEV, np.ascontiguousarray(x), len(tensor) - 1) for x in t.T]
     values = evaluation.scattered(tensor[None], tables)[0]
-    other = values * f[tuple(nodes.T)] < 0.0
-    return t[other], values[other]
+    other_sign = values * f[tuple(nodes.T)] < 0.0
+    return t[other_sign], values[other_sign]
 
 
-def _lowest(size: FloatArray, but: BoolArray) -> IntArray:
-    """Return the inner nodes (M, d), `but` some, than which none of the 3^d − 1 around is lower.
+def _local_minima(size: FloatArray, excluded: BoolArray) -> IntArray:
+    """Return the inner nodes (M, d), none `excluded` (N, …), where `size` (N, …) is no larger than at any neighbour.
 
-    Those that are lowest along the first axis are few enough to ask for each neighbour of the rest by number.
+    Neighbours are the 3^d − 1 nodes around. Minima along the first axis are found first, for the whole grid at once;
+    they are so few that their other neighbours are then read one by one.
     """
     inner = (slice(1, -1),) * size.ndim
     low = np.zeros(size.shape, dtype=bool)
     low[inner] = size[inner] <= size[(slice(2, None), *inner[1:])]
     low[inner] &= size[inner] <= size[(slice(-2), *inner[1:])]
-    low[inner] &= ~but[inner]
+    low[inner] &= ~excluded[inner]
     nodes, row = np.flatnonzero(low), size.ravel()
     strides = np.array(size.strides) // size.itemsize
     for step in product((-1, 0, 1), repeat=size.ndim):
@@ -60,8 +63,11 @@ def _lowest(size: FloatArray, but: BoolArray) -> IntArray:
     return np.stack(np.unravel_index(nodes, size.shape), axis=1)
 
 
-def _to_bottom(f: FloatArray, nodes: IntArray) -> FloatArray:
-    """Return the steps (M, d), in cells, from nodes to where the quadratic through their neighbours is stationary."""
+def _steps_to_minimum(f: FloatArray, nodes: IntArray) -> FloatArray:
+    """Return the steps from nodes (M, d) to the stationary points of the quadratics through their neighbours.
+
+    The steps (M, d) are in cells; `f` (N, …) are the values on the grid.
+    """
     d = f.ndim
     unit = np.eye(d, dtype=np.intp)
     gradient, hessian = np.empty((len(nodes), d)), np.empty((len(nodes), d, d))
@@ -77,4 +83,4 @@ def _to_bottom(f: FloatArray, nodes: IntArray) -> FloatArray:
             corners = at(unit[i] + unit[j]) - at(unit[i] - unit[j]) - at(unit[j] - unit[i]) + at(-unit[i] - unit[j])
             hessian[:, i, j] = hessian[:, j, i] = corners / 4.0
     step = -np.linalg.pinv(hessian, hermitian=True) @ gradient[:, :, None]
-    return np.clip(step[:, :, 0], -REACH, REACH)
+    return np.clip(step[:, :, 0], -MINIMUM_REACH, MINIMUM_REACH)

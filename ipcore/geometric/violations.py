@@ -1,7 +1,8 @@
-"""A look at a fit on a fine even grid: whether its zero set keeps to the data, and is in one piece.
+"""Where a fit violates the sign constraints between their places: found on a fine, evenly spaced grid.
 
-The zero set cuts the box into regions of one sign. The regions that touch each other form a tree, for a box has no
-holes, so the zero set has one component less than there are regions.
+The zero set should stay near the data and be in one piece. It divides the box into regions of one sign. The regions
+that touch each other form a tree, for a box has no holes, so the zero set has one component less than there are
+regions.
 """
 
 from dataclasses import dataclass
@@ -11,93 +12,103 @@ from scipy import ndimage
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.geometric.inside_outside import InsideOutside
-from ipcore.geometric.subgrid import specks
+from ipcore.geometric.subgrid import subgrid_components
 from ipcore.points.neighbours import nearest
 from ipcore.polynomial import evaluation, univariate
+from ipcore.polynomial.box import Box
 from ipcore.polynomial.univariate import Basis
-
-# Farther than this from all data, in mean radii and in point spacings, the zero set is stray.
-FAR_RADII = {2: 0.10, 3: 0.12}
-FAR_SPACINGS = 2.5
+from ipcore.zero_set.support import support_radius_of
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
-    """What the grid shows.
+class Violations:
+    """What the grid shows of a polynomial.
 
     Attributes
     ----------
     f
-        Values on the grid.
+        (N, …), values on the grid.
     minor
-        Nodes of all regions but the largest of each sign.
+        (N, …), the nodes of all regions but the largest of each sign.
     suspect
-        Those, and the nodes far from the data beside which f changes sign.
-    specks, speck_values
-        (M, d) in the Chebyshev variables, where f has the other sign than all nodes around, and (M,), f there.
+        (N, …), the nodes that are minor, or beside a change of sign and beyond the support radius of the data.
+    subgrid, subgrid_values
+        (M, d), a place within each component that is smaller than a cell, in the Chebyshev variables, and (M,), the
+        values of f there.
     components
-        Of the zero set, specks included.
+        The number of components of the zero set, those smaller than a cell included.
     stray
-        Share of the nodes beside a change of sign that are far.
+        The share of the nodes beside a change of sign that are beyond the support radius.
 
     """
 
     f: FloatArray
     minor: BoolArray
     suspect: BoolArray
-    specks: FloatArray
-    speck_values: FloatArray
+    subgrid: FloatArray
+    subgrid_values: FloatArray
     components: int
     stray: float
 
 
 class ViolationGrid:
-    """An even grid over the bounds."""
+    """An evenly spaced grid over the bounds, on which violations are looked for."""
 
-    def __init__(self, sides: InsideOutside, bounds: FloatArray, count: int, reach: float = 1.0) -> None:
-        """Take `count` lines per axis, over the bounds (2, d) grown by the factor `reach`."""
-        self.lines = reach * np.linspace(-1.0, 1.0, count)
-        self._sides, self._shape = sides, (count,) * bounds.shape[1]
-        self._middle, self._half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
-        self._far = max(FAR_RADII[len(self._half)], FAR_SPACINGS * sides.spacing)
+    def __init__(self, sides: InsideOutside, bounds: FloatArray, count: int, growth: float = 1.0) -> None:
+        """Take `count` lines per axis, over the bounds (2, d) grown by the factor `growth`."""
+        d = bounds.shape[1]
+        self.lines = growth * np.linspace(-1.0, 1.0, count)
+        self._sides, self._shape, self._box = sides, (count,) * d, Box.of(bounds)
+        # The mean radius is 1 in the normalised frame. The spacing is that of the areas for which points stand;
+        # `zero_set.support` estimates it by the distance to the nearest other point.
+        self._support_radius = support_radius_of(d, 1.0, sides.spacing)
 
     def places(self, mask: BoolArray) -> FloatArray:
-        """Return nodes in the Chebyshev variables, (M, d)."""
+        """Return the nodes of a mask (N, …) in the Chebyshev variables, (M, d)."""
         return self._at(np.flatnonzero(mask))
 
-    def _at(self, nodes: IntArray) -> FloatArray:
-        """Return nodes by their numbers in the row of all: to find these takes a tenth of the time of `np.argwhere`."""
-        return self.lines[np.stack(np.unravel_index(nodes, self._shape), axis=1)]
-
     def local(self, t: FloatArray) -> FloatArray:
-        """Return places t (M, d) in the normalised frame."""
-        return np.asarray(self._middle + self._half * t)
+        """Return places t (M, d), given in the Chebyshev variables, in the normalised frame, (M, d)."""
+        return self._box.from_cube(t)
 
-    def find(self, tensor: FloatArray) -> Findings:
-        """Return what is found of the polynomial with these Chebyshev coefficients (n+1, …)."""
+    def find(self, tensor: FloatArray) -> Violations:
+        """Return the violations of the polynomial with the Chebyshev coefficients `tensor` (n+1, …)."""
         table = univariate.table(Basis.CHEBYSHEV, self.lines, len(tensor) - 1).T
         f = evaluation.along_axes(tensor, [table] * tensor.ndim)
         inside = f < 0.0
-        regions, minor = 0, np.zeros_like(inside)
-        for part in (inside, ~inside):
-            labels, count = ndimage.label(part)
-            regions += count
-            if count > 1:
-                sizes = np.bincount(labels.ravel())
-                sizes[0] = 0
-                minor |= part & (labels != sizes.argmax())
-        beside = _beside_a_change(inside)
+        minor, regions = _minor_regions(inside)
+        beside = _beside_sign_change(inside)
         nodes = np.flatnonzero(beside)
-        far = np.isinf(nearest(self._sides.tree, self.local(self._at(nodes)), within=self._far)[0])
+        far = np.isinf(nearest(self._sides.tree, self.local(self._at(nodes)), within=self._support_radius)[0])
         suspect = minor.copy()
         suspect.flat[nodes[far]] = True
-        small = specks(tensor, self.lines, f, beside)
-        components = regions - 1 + len(small[0])
-        return Findings(f, minor, suspect, *small, components, float(far.sum() / max(1, len(far))))
+        subgrid, values = subgrid_components(tensor, self.lines, f, beside)
+        stray = float(far.sum() / max(1, len(far)))
+        return Violations(f, minor, suspect, subgrid, values, regions - 1 + len(subgrid), stray)
+
+    def _at(self, nodes: IntArray) -> FloatArray:
+        """Return the Chebyshev variables (M, d) of nodes, given by their numbers (M,) in C order.
+
+        To find these numbers takes a tenth of the time of `np.argwhere`.
+        """
+        return self.lines[np.stack(np.unravel_index(nodes, self._shape), axis=1)]
 
 
-def _beside_a_change(inside: BoolArray) -> BoolArray:
-    """Return the nodes with a neighbour along an axis of the other sign."""
+def _minor_regions(inside: BoolArray) -> tuple[BoolArray, int]:
+    """Return the nodes (N, …) of all regions but the largest of each sign, and the number of regions."""
+    regions, minor = 0, np.zeros_like(inside)
+    for part in (inside, ~inside):
+        labels, count = ndimage.label(part)
+        regions += count
+        if count > 1:
+            sizes = np.bincount(labels.ravel())
+            sizes[0] = 0
+            minor |= part & (labels != sizes.argmax())
+    return minor, regions
+
+
+def _beside_sign_change(inside: BoolArray) -> BoolArray:
+    """Return the nodes (N, …) that have a neighbour along an axis on the other side; `inside` (N, …) is f < 0."""
     beside = np.zeros_like(inside)
     for axis in range(inside.ndim):
         low = tuple(slice(None, -1) if k == axis else slice(None) for k in range(inside.ndim))

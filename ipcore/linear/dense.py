@@ -7,7 +7,6 @@ import numpy as np
 
 from ipcore._typing import FloatArray
 from ipcore.linear import ridge
-from ipcore.linear.constraints import families
 from ipcore.linear.design_matrix import System, working_basis
 from ipcore.linear.qr.block_gram_schmidt import BlockGramSchmidt
 from ipcore.linear.qr.factorisation import Factorisation, Policy
@@ -63,7 +62,7 @@ class LeastSquaresFit(GrowingFit):
     def __init__(self, data: OrientedPoints, options: FitOptions, max_degree: int) -> None:
         """Tabulate the univariate functions at the constraints' positions, up to the last degree."""
         self._data, self._dimension = data, data.points.shape[1]
-        self._rows = families.rows(data.points, data.normals, options)
+        self._rows = options.family.rows(data.points, data.normals, options.row_parameters)
         self._basis = working_basis(options)
         self._system = System(self._rows, self._basis, data.bounds, max_degree)
         self._damping = None

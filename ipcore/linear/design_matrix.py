@@ -5,10 +5,11 @@ from itertools import groupby
 import numpy as np
 
 from ipcore._typing import FloatArray
-from ipcore.linear.constraints.rows import RowGroup, Rows
+from ipcore.constraints.rows import RowGroup, Rows
 from ipcore.options.choices import Factor, Ridge
 from ipcore.options.fit_options import FitOptions
 from ipcore.polynomial import graded, univariate
+from ipcore.polynomial.box import Box
 from ipcore.polynomial.univariate import Basis
 
 
@@ -46,9 +47,8 @@ class System:
         """
         self._powers = graded.exponents(bounds.shape[1], max_degree)
         self._kind, self._degree = kind, max_degree
-        self._middle, self._half = np.zeros(bounds.shape[1]), np.ones(bounds.shape[1])
-        if kind is Basis.CHEBYSHEV:
-            self._middle, self._half = bounds.mean(axis=0), (bounds[1] - bounds[0]) / 2.0
+        d = bounds.shape[1]
+        self._box = Box.of(bounds) if kind is Basis.CHEBYSHEV else Box(np.zeros(d), np.ones(d))
         self._tables = [
             self._tabulate(list(groups), key) for key, groups in groupby(rows.groups, lambda g: (g.axis, g.weight))
         ]
@@ -63,10 +63,10 @@ class System:
         """Return one table (n+1, rows) per variable, whose products are the rows of these like groups."""
         axis, weight = functional
         positions = np.concatenate([group.positions for group in groups])
-        t = ((positions - self._middle) / self._half).T
+        t = self._box.to_cube(positions).T
         tables = [univariate.table(self._kind, np.ascontiguousarray(row), self._degree) for row in t]
         if axis is not None:
-            derivative = univariate.differentiation(self._kind, self._degree).T / self._half[axis]
+            derivative = univariate.differentiation(self._kind, self._degree).T / self._box.half[axis]
             tables[axis] = derivative @ tables[axis]
         if weight != 1.0:
             tables[0] = weight * tables[0]

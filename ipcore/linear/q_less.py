@@ -9,7 +9,6 @@ import numpy as np
 
 from ipcore._typing import FloatArray
 from ipcore.linear import ridge
-from ipcore.linear.constraints import families
 from ipcore.linear.dense import GrowingFit
 from ipcore.linear.qr.factorisation import Policy
 from ipcore.linear.qr.r_factor import RFactor
@@ -42,9 +41,9 @@ class QLessFit(GrowingFit):
         if options.ridge is not Ridge.NONE:
             D = ridge.diagonal(options.ridge_matrix, data.points, self._last)
             self._damping = options.ridge_strength * data.count / len(data.points) * D
-        rows = len(families.rows(data.points[:1], data.normals[:1], options).groups) * data.count
+        rows = options.family.rows_per_point(d) * data.count
         small = rows * graded.count(d, self._last) <= SMALL and options.factor is Factor.AUTO
-        squares = bool(families.offsets(options)) and options.factor is not Factor.TSQR
+        squares = bool(options.layer_offsets) and options.factor is not Factor.TSQR
         self._squares = squares and not small
         self._refined: dict[int, Refinement]  # by the number of columns
         self._take(RFactor.empty())

@@ -10,7 +10,6 @@ import numpy as np
 from ipcore import _threads
 from ipcore._typing import FloatArray
 from ipcore.linear import layer_moments
-from ipcore.linear.constraints import families
 from ipcore.linear.design_matrix import System
 from ipcore.linear.layer_moments import LayerMoments
 from ipcore.linear.qr.r_factor import RFactor
@@ -65,7 +64,7 @@ class DataRows:
 
     def squared(self, degree: int) -> RFactor:
         """Return the triangle by way of MᵀM."""
-        of = partial(_moments, degree, families.offsets(self._options))
+        of = partial(_moments, degree, self._options.layer_offsets)
         return reduce(add, _threads.ordered(of, self._data.parts())).triangle()
 
     def exact(self, degree: int) -> RFactor:
@@ -75,7 +74,7 @@ class DataRows:
 
     def gradients(self, degree: int, A: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return Mᵀ(b − M a) (m, p) and ‖b − M a‖² (p,) for the columns a of A (m, p)."""
-        of = partial(_gradients, degree, families.offsets(self._options), A)
+        of = partial(_gradients, degree, self._options.layer_offsets, A)
         g, rss = zip(*_threads.ordered(of, self._data.parts()), strict=True)
         return np.add.reduce(g), np.add.reduce(rss)
 
@@ -125,11 +124,10 @@ def _triangle(degree: int, options: FitOptions, bounds: FloatArray, part: Part) 
     m = graded.count(part.points.shape[1], degree)
 
     def chunks() -> Iterator[tuple[FloatArray, FloatArray]]:
-        groups = families.rows(part.points[:1], part.normals[:1], options).groups
-        size = max(1, ROWS // len(groups))
+        size = max(1, ROWS // options.family.rows_per_point(part.points.shape[1]))
         for start in range(0, len(part.points), size):
             some = slice(start, start + size)
-            rows = families.rows(part.points[some], part.normals[some], options)
+            rows = options.family.rows(part.points[some], part.normals[some], options.row_parameters)
             yield System(rows, Basis.MONOMIAL, bounds, degree).columns(0, m), rows.b(degree)
 
     return RFactor.of_rows(m, chunks())

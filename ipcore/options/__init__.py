@@ -1,1 +1,1 @@
-"""What a fit can be told."""
+"""The options of a fit: their names, their ranges, and which of them exclude each other."""

@@ -1,4 +1,7 @@
-"""What can be chosen by name in `FitOptions`."""
+"""The options that take a name, one enumeration each, and the checks of names and of ranges of numbers.
+
+The constraint families, which take a name too, are enumerated in `ipcore.constraints.families`.
+"""
 
 from enum import StrEnum
 from numbers import Integral
@@ -10,12 +13,12 @@ Choice = TypeVar("Choice", bound=StrEnum)
 
 
 def chosen(name: str, value: object, kind: type[Choice]) -> Choice:
-    """Return the member that a name stands for.
+    """Return the member of an enumeration for the value that was given for the option `name`.
 
     Raises
     ------
     InvalidOptionsError
-        If there is none; `at` is the option's name.
+        If the enumeration has no such value; `at` is the option's name.
 
     """
     try:
@@ -25,7 +28,7 @@ def chosen(name: str, value: object, kind: type[Choice]) -> Choice:
 
 
 class Preset(StrEnum):
-    """Where the options start from.
+    """The set of defaults that the options given are put into.
 
     `default` is the fit that was found best by measurement. `paper` is Zheng, Takamatsu and Ikeuchi (ACCV 2007) to the
     letter: column by column, eq. (5), rule (7) after every column, and the ridge of section 5.3.
@@ -35,20 +38,8 @@ class Preset(StrEnum):
     PAPER = "paper"
 
 
-class Constraints(StrEnum):
-    """Which equations the data give: one module of `ipcore.linear.constraints` each, with its formula and source."""
-
-    THREE_LAYER = "3l"
-    FIVE_LAYER = "5l"
-    THREE_LAYER_GRADIENT = "3l+gradient"
-    GRADIENT_ONE = "gradient-one"
-    MIN_MAX = "min-max"
-    MIN_VAR = "min-var"
-    TAUBIN = "taubin"
-
-
 class Criterion(StrEnum):
-    """What ends the search.
+    """What ends the search over degrees; one class of `ipcore.search.stopping` each.
 
     `distance` is the paper's rule (7). `gcv`, `bic` and `loo` look for the minimum of generalised cross-validation, of
     Schwarz' criterion, and of the mean squared error at points left out one by one. `none` goes on to `max_degree`.
@@ -60,9 +51,19 @@ class Criterion(StrEnum):
     LOO = "loo"
     NONE = "none"
 
+    @property
+    def needs_least_squares(self) -> bool:
+        """Return whether its value is computed from the residuals of a linear least-squares fit."""
+        return self not in {Criterion.DISTANCE, Criterion.NONE}
+
+    @property
+    def needs_rows(self) -> bool:
+        """Return whether its value needs Q, and so all rows of M at once."""
+        return self is Criterion.LOO
+
 
 class Granularity(StrEnum):
-    """Where the search may stop: at complete degrees, which no rotation changes, or at every column as in the paper."""
+    """Where the search may stop: at complete degrees, which no rotation changes, or at each column as in the paper."""
 
     FORM = "form"
     MONOMIAL = "monomial"
@@ -71,10 +72,11 @@ class Granularity(StrEnum):
 class Factor(StrEnum):
     """How M = QR is computed.
 
-    `moments` and `tsqr` never hold M: R is the Cholesky factor of MᵀM, whose entries are moments of the points, or is
-    made of chunks of rows, factored one below the other. `moments` goes over to `tsqr` where squaring the condition
-    would show. `block` is block Gram–Schmidt done twice on all of M, `gram-schmidt` the paper's eq. (5) as printed.
-    `auto` is `moments` for large systems and `tsqr` for small ones, or `block` for what needs Q.
+    `moments` and `tsqr` never hold M. With `moments`, R is the Cholesky factor of MᵀM, whose entries are moments of the
+    points; where squaring the condition would show in the answer, the fit goes on with `tsqr`. With `tsqr`, R is made
+    of chunks of rows, factored one below the other. `block` is block Gram–Schmidt done twice on all of M, and
+    `gram-schmidt` is the paper's eq. (5) as printed. `auto` is `block` for fits that need Q, else `tsqr` for small
+    systems and `moments` for large ones.
     """
 
     AUTO = "auto"
@@ -85,7 +87,7 @@ class Factor(StrEnum):
 
 
 class Collinear(StrEnum):
-    """What becomes of a column that earlier ones explain: left out (section 5.2), ridged, or kept all the same."""
+    """What is done with a column that depends on earlier ones: dropped (section 5.2), ridged, or kept all the same."""
 
     DROP = "drop"
     RIDGE = "ridge"
@@ -93,7 +95,7 @@ class Collinear(StrEnum):
 
 
 class Ridge(StrEnum):
-    """Which columns ridge regression damps: none, every one (eq. 8), or only those found collinear."""
+    """Which columns ridge regression damps: none, all of them (eq. 8), or only those found collinear."""
 
     NONE = "none"
     FULL = "full"
@@ -101,19 +103,19 @@ class Ridge(StrEnum):
 
 
 class RidgeMatrix(StrEnum):
-    """D in eq. (8): the appendix's, which no rotation changes, or the identity."""
+    """D in eq. (8): the matrix of the appendix, for which no rotation changes aᵀDa, or the identity."""
 
     INVARIANT = "invariant"
     IDENTITY = "identity"
 
 
 def integer(name: str, value: object, low: int, high: int) -> None:
-    """Refuse what is not an integer from `low` to `high`.
+    """Check that the value of the option `name` is an integer from `low` to `high`.
 
     Raises
     ------
     InvalidOptionsError
-        With `name` in `at`.
+        If it is not; `at` is the option's name.
 
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
@@ -121,12 +123,12 @@ def integer(name: str, value: object, low: int, high: int) -> None:
 
 
 def number(name: str, value: object, low: float, high: float, *, open_below: bool = False) -> None:
-    """Refuse what is not a number from `low` to `high`, without `low` itself if the range is open below.
+    """Check that the value of the option `name` is a number from `low` to `high`, not `low` itself if `open_below`.
 
     Raises
     ------
     InvalidOptionsError
-        With `name` in `at`.
+        If it is not; `at` is the option's name.
 
     """
     if (

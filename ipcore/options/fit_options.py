@@ -1,14 +1,15 @@
-"""What a fit can be told. Every option has a default; distances are in mean radii, the unit of the normalised frame."""
+"""The options of one fit. Every option has a default; distances are in mean radii, the unit of the normalised frame."""
 
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import Any, Self
 
+from ipcore.constraints.families import Constraints
+from ipcore.constraints.family import Family, RowParameters
 from ipcore.errors import InvalidOptionsError
-from ipcore.options import choices
+from ipcore.options import choices, contradictions
 from ipcore.options.choices import (
     Collinear,
-    Constraints,
     Criterion,
     Factor,
     Granularity,
@@ -20,13 +21,10 @@ from ipcore.options.choices import (
 )
 from ipcore.polynomial.univariate import Basis
 
+# By dimension: the last degree to try if none is given (231 coefficients in 2D, 969 in 3D), and the highest degree that
+# can be given (861 and 1,771 coefficients).
 DEFAULT_MAX_DEGREE = {2: 20, 3: 16}
 HIGHEST_DEGREE = {2: 40, 3: 20}
-
-# Families that ask for nothing but values of f, the same whatever the degree; and those whose right-hand side, or
-# whatever takes its place, changes with it.
-LAYERED = {Constraints.THREE_LAYER, Constraints.FIVE_LAYER}
-CHANGING = {Constraints.MIN_MAX, Constraints.MIN_VAR, Constraints.TAUBIN}
 
 _CHOICES: dict[str, type[StrEnum]] = {
     "constraints": Constraints,
@@ -52,56 +50,58 @@ _PRESETS: dict[Preset, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class FitOptions:
-    """The options of one fit. Those with named values take the name or the member of the enumeration.
+    """The options of one fit. An option with named values takes the name or the member of its enumeration.
 
     Attributes
     ----------
     max_degree
         The last degree to try: 1 … 40 in 2D (default 20), 1 … 20 in 3D (default 16).
     constraints
-        Which equations the data give; see `Constraints`.
+        The constraint family: which equations the data give; see `Constraints`.
     layer_distance
         c, the distance of the outer layers of the 3L and 5L constraints from the data, in mean radii; 0 < c ≤ 0.3.
     gradient_weight
         μ, the weight of the squared errors of ∇f against those of f, in squared mean radii; 0 < μ ≤ 100. The default is
-        2c² for c = 0.05: near a straight line two layers at ±c weigh ∂f/∂n so. On clean data less is closer.
+        2c² for c = 0.05, the weight that two layers at ±c give to ∂f/∂n near a straight line. On clean data a smaller
+        weight gives a closer fit.
     criterion
         What ends the search; see `Criterion`.
     t1
-        The fit is close enough when D_dist < t1, in mean radii. The paper takes 20 % of c.
+        The fit is close enough when D_dist < t1, in mean radii; t1 ≥ 0. The default is the paper's, 20 % of c.
     t2
-        The fit is smooth enough when D_smooth > t2; −1 … 1.
+        The fit is smooth enough when D_smooth > t2; −1 ≤ t2 ≤ 1. The default is the paper's.
     granularity
         Where the search may stop: at complete degrees, or at every column.
     factor
         How the linear system is factored; see `Factor`.
     collinear
-        What becomes of collinear columns. By default they are ridged if `ridge` is selective, and dropped if it is not.
+        What is done with collinear columns; by default they are ridged if `ridge` is selective, and dropped otherwise.
     collinear_tol
-        A column is collinear when the part of it that no earlier column explains, |r_ii|/‖c_i‖, is at most this.
+        A column is collinear when |r_ii|/‖c_i‖, the share of its length that is orthogonal to all earlier columns, is
+        at most this.
     ridge
         Which columns ridge regression damps.
     ridge_matrix
-        D, the weights of the squared coefficients, of the monomials of the frame.
+        D, the weights of the squared coefficients of the monomials of the frame, in the damping κ aᵀDa.
     ridge_strength
         κ, the weight of the damping; 0 < κ ≤ 1e6.
     signs
-        Whether f is told its sign in the box away from the data. By default it is whenever `geometric` is on.
+        Whether the sign of f is constrained in the box, away from the data. By default, whenever `geometric` is on.
     geometric
-        Whether to minimise distances and angles instead of the linear equations' errors (`ipcore.geometric`). By
-        default on, unless an option is given that only a linear fit has: another `constraints`,
-        `granularity` or `factor`, `ridge`, `collinear`, or a criterion other than distance and none.
+        Whether to minimise distances and angles instead of the residuals of the linear equations (`ipcore.geometric`).
+        By default on, unless an option is given that only a linear fit has: another `constraints`, `granularity` or
+        `factor`, `ridge`, `collinear`, or a criterion other than distance and none.
     angle_weight
-        λ, the weight of squared differences between normals and ∇f/‖∇f‖ against squared distances; 0 < λ ≤ 1. At the
-        default both count the same where D_dist = 0.01 and D_smooth = 0.95.
+        λ, the weight of the squared differences between normals and ∇f/‖∇f‖ against the squared distances; 0 < λ ≤ 1.
+        With the default both sums are equal where D_dist = 0.01 and D_smooth = 0.95.
     robust
-        Whether points that lie far from the fit are left out, of the fit and of what is reported of it.
+        Whether points far from the fit are left out of the next degree's fit and of the figures that are reported.
     neighbours
-        How many neighbours estimate a normal, when none are given; at least 3.
+        From how many neighbours a normal is estimated, if no normals are given; 3 … 100.
     basis
-        What the answer's coefficients multiply: monomials of the frame, or Chebyshev products on the bounds.
+        The basis of the returned coefficients: monomials of the frame, or Chebyshev products on the bounds.
     measure_zero_set
-        Whether to extract the zero set once, coarsely, and report its stray share and its components.
+        Whether to extract the zero set once, on a coarse grid, and report its stray share and its components.
 
     Raises
     ------
@@ -134,7 +134,7 @@ class FitOptions:
 
     @classmethod
     def of(cls, preset: Preset | str = Preset.DEFAULT, **given: Any) -> Self:  # noqa: ANN401 - checked one by one
-        """Return a preset's options with those given in their place.
+        """Return the options of a preset, with the values given here in place of the preset's.
 
         Raises
         ------
@@ -153,7 +153,7 @@ class FitOptions:
         return cls(**{**start, **given})
 
     def __post_init__(self) -> None:
-        """Check every value that does not depend on the data, and take names as members."""
+        """Check every value that does not depend on the data, and replace names by the members that they name."""
         for name, kind in _CHOICES.items():
             object.__setattr__(self, name, choices.chosen(name, getattr(self, name), kind))
         if self.collinear is not None:
@@ -171,76 +171,72 @@ class FitOptions:
         self._check_together()
 
     def _check_together(self) -> None:
-        """Refuse what contradicts itself."""
-        if self.constraints is Constraints.TAUBIN and self.ridge is not Ridge.NONE:
-            raise InvalidOptionsError("ridge needs a right-hand side, and taubin has none", ("ridge",))
-        if self.constraints is Constraints.TAUBIN and self.criterion not in {Criterion.DISTANCE, Criterion.NONE}:
-            raise InvalidOptionsError(
-                f"criterion {self.criterion} needs a least-squares fit, and taubin is an eigenvector", ("criterion",)
-            )
-        if self.collinear is not None and (self.collinear is Collinear.RIDGE) != (self.ridge is Ridge.SELECTIVE):
-            raise InvalidOptionsError(
-                f"collinear is ridge exactly when ridge is selective, not {self.collinear} with ridge {self.ridge}",
-                ("collinear",),
-            )
+        """Check the options against each other."""
+        contradictions.check_least_squares(self.constraints, self.ridge, self.criterion)
+        contradictions.check_collinear(self.collinear, self.ridge)
+        contradictions.check_factor(self.factor, self.constraints, self.criterion, needs_rows=self.needs_rows)
+        contradictions.check_linear(
+            needs_linear=self._needs_linear,
+            signs=self.signs,
+            geometric=self.geometric,
+            robust=self.robust,
+            is_linear=self.is_linear,
+        )
 
-        self._check_factor()
-        if self._asks_for_linear and (self.signs or self.geometric):
-            name = "geometric" if self.geometric else "signs"
-            raise InvalidOptionsError(
-                f"{name} goes with 3l constraints, complete forms, no ridge, and the criterion distance or none",
-                (name,),
-            )
-        if self.robust and self.is_linear:
-            raise InvalidOptionsError("robust needs the geometric fit, or that under sign constraints", ("robust",))
+    @property
+    def family(self) -> Family:
+        """Return the constraint family."""
+        return self.constraints.family
 
-    def _check_factor(self) -> None:
-        """Refuse a factorisation that cannot do what else is asked for."""
-        if self.factor not in {Factor.MOMENTS, Factor.TSQR}:
-            return
-        if self.needs_rows:
-            what = "criterion loo" if self.criterion is Criterion.LOO else f"constraints {self.constraints}"
-            raise InvalidOptionsError(f"{what} needs the rows that factor {self.factor} does not keep", ("factor",))
-        if self.factor is Factor.MOMENTS and self.constraints not in LAYERED:
-            raise InvalidOptionsError(
-                f"factor moments is for constraints 3l and 5l, not {self.constraints}; take tsqr", ("factor",)
-            )
+    @property
+    def row_parameters(self) -> RowParameters:
+        """Return what the family's rows depend on."""
+        return RowParameters(self.layer_distance, self.gradient_weight)
+
+    @property
+    def layer_offsets(self) -> tuple[float, ...]:
+        """Return the offsets of the layers, in mean radii, if all rows are values of f on layers; else ()."""
+        return self.family.layer_offsets(self.layer_distance)
 
     @property
     def needs_rows(self) -> bool:
-        """Return whether the fit needs all rows at hand: to leave points out, or because b changes with the degree."""
-        return self.criterion is Criterion.LOO or self.constraints in CHANGING
+        """Return whether a linear fit needs all rows at once.
+
+        It does to leave points out, for a right-hand side that depends on the degree, and for an eigenvector.
+        """
+        family = self.family
+        return self.criterion.needs_rows or family.rhs_depends_on_degree or not family.is_least_squares
 
     @property
-    def _asks_for_linear(self) -> bool:
-        """Whether something was chosen that only a linear fit has."""
+    def _needs_linear(self) -> bool:
+        """Whether an option is given that only a linear fit has."""
         return (
             self.constraints is not Constraints.THREE_LAYER
             or self.granularity is not Granularity.FORM
             or self.factor is not Factor.AUTO
             or self.ridge is not Ridge.NONE
             or self.collinear is not None
-            or self.criterion not in {Criterion.DISTANCE, Criterion.NONE}
+            or self.criterion.needs_least_squares
         )
 
     @property
     def on_geometric(self) -> bool:
-        """Return whether distances and angles are minimised, the default filled in."""
-        return not self._asks_for_linear if self.geometric is None else self.geometric
+        """Return `geometric` with its default filled in: whether distances and angles are minimised."""
+        return not self._needs_linear if self.geometric is None else self.geometric
 
     @property
     def on_signs(self) -> bool:
-        """Return whether signs are constrained, the default filled in."""
+        """Return `signs` with its default filled in: whether the sign of f is constrained."""
         return self.on_geometric if self.signs is None else self.signs
 
     @property
     def is_linear(self) -> bool:
-        """Return whether the fit is the solution of linear equations."""
+        """Return whether the fit is linear: neither geometric nor under sign constraints."""
         return not (self.on_geometric or self.on_signs)
 
     @property
     def on_collinear(self) -> Collinear:
-        """Return what becomes of collinear columns, the default filled in."""
+        """Return `collinear` with its default filled in: what is done with collinear columns."""
         if self.collinear is not None:
             return self.collinear
         return Collinear.RIDGE if self.ridge is Ridge.SELECTIVE else Collinear.DROP

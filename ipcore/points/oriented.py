@@ -107,7 +107,7 @@ class OrientedPoints:
         if isinstance(given, PointStream):
             held = cls.sampled(given.sample, frame or given.frame, given.box, given.count)
             return replace(held, planar=given.planar, stream=given)
-        frame = frame or Frame.of(given.points)
+        frame = frame or given.frame
         x = frame.to_local(given.points)
         normals, source = (given.normals, NormalSource.GIVEN) if given.normals is not None else orient(x, neighbours)
         bounds = _grown(np.stack([x.min(axis=0), x.max(axis=0)]))

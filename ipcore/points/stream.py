@@ -14,6 +14,7 @@ from ipcore.errors import InvalidNormalsError, InvalidPointsError
 from ipcore.points import validation
 from ipcore.points.digest import Digest
 from ipcore.points.sample import Sample
+from ipcore.points.validation import PointSet
 from ipcore.polynomial.frame import Frame
 
 LARGE = 1 << 18  # points from which a memory-mapped array is streamed; below, it is read at once
@@ -93,7 +94,7 @@ class PointStream:
         return cls(points, normals, frame, box, planar, sample, digest.hexdigest())
 
 
-def streamed(points: ArrayLike, normals: ArrayLike | None) -> PointStream | None:
+def streamed(points: ArrayLike | PointSet, normals: ArrayLike | None) -> PointStream | None:
     """Return the stream as which an array is to be read, or None if it is to be held.
 
     It is one if it is memory-mapped, has `LARGE` or more points, and normals: estimating them takes all points at once.

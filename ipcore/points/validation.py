@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidNormalsError, InvalidPointsError, IPCoreError
 from ipcore.points import digest
+from ipcore.polynomial.frame import Frame
 
 # Below this share of the longest principal extent, an extent counts as none. Points stored in single precision carry
 # 6e-8 of rounding; nothing thinner than that can be told from a line or a plane.
@@ -26,28 +27,31 @@ class PointSet:
         (N, d), unit length, or None.
     planar
         Whether 3D points all lie on one plane, which a polynomial of degree 1 represents.
+    frame
+        The normalised frame of the points.
+    sha256
+        The digest of points and normals, as `ipcore.points.digest` defines it.
 
     """
 
     points: FloatArray
     normals: FloatArray | None
     planar: bool
-
-    @property
-    def sha256(self) -> str:
-        """Return what `digest` makes of points and normals."""
-        return digest.sha256(self.points, self.normals)
+    frame: Frame
+    sha256: str
 
 
-def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
-    """Return the point set, or say what is wrong with it and where.
+def check(points: ArrayLike | PointSet, normals: ArrayLike | None = None) -> PointSet:
+    """Return the point set of points and normals (N, d), or say what is wrong with them and where.
+
+    A `PointSet`, which was checked before, is returned as it is.
 
     Raises
     ------
     InvalidPointsError
         Wrong shape, NaN or infinite, fewer than d + 1 points, all equal, or all on one line.
     InvalidNormalsError
-        Another shape than the points', NaN or infinite, or of zero length.
+        Another shape than the points', NaN or infinite, or of zero length; or given beside a `PointSet`.
 
     Examples
     --------
@@ -56,13 +60,18 @@ def check(points: ArrayLike, normals: ArrayLike | None = None) -> PointSet:
     ipcore.errors.InvalidPointsError: points must be finite: row 1, column 1 is nan (1 value in all)
 
     """
+    if isinstance(points, PointSet):
+        if normals is not None:
+            raise InvalidNormalsError("a PointSet has its own normals: no others can be given", ("normals",))
+        return points
     x = matrix("points", points, InvalidPointsError)
     check_shape(x.shape)
     n = None if normals is None else unit(normals, x)
     centred = x - x.mean(axis=0)
     size = extent(centred, x)
     R = np.asarray(np.linalg.qr(centred / size, mode="r"))
-    return PointSet(x, n, rank(R, size, float(np.abs(x).max())) < x.shape[1])
+    planar = rank(R, size, float(np.abs(x).max())) < x.shape[1]
+    return PointSet(x, n, planar, Frame.of(x), digest.sha256(x, n))
 
 
 def check_shape(shape: tuple[int, ...]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from ipcore._typing import BoolArray, ExtendedArray, FloatArray, IntArray
 from ipcore.errors import InvalidPointsError, InvalidPolynomialError
 from ipcore.polynomial import evaluation, graded, univariate
+from ipcore.polynomial.box import Box
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.univariate import Basis
 
@@ -136,8 +137,7 @@ class ImplicitPolynomial:
 
     def variable(self, coordinates: FloatArray, axis: int) -> FloatArray:
         """Return the variable of the univariate functions at raw coordinates along one axis, in their shape."""
-        middle, half = self._axes
-        return np.asarray((coordinates - middle[axis]) / half[axis])
+        return self._box.axis_to_cube(coordinates, axis)
 
     def contains(self, x: FloatArray) -> BoolArray:
         """Return which raw points x (M, d) lie in the bounds, the only place where the fit promises anything."""
@@ -199,9 +199,8 @@ class ImplicitPolynomial:
 
     def _changed(self, change: Callable[[int, float, float], ExtendedArray], basis: Basis) -> Self:
         """Return the polynomial in the other basis: t = slope·u + offset takes the frame to the box of T_k(t)."""
-        lower, upper = self.bounds
-        middle, half = (lower + upper) / 2.0, (upper - lower) / 2.0
-        slopes, offsets = self.frame.scale / half, (self.frame.centre - middle) / half
+        box = Box.of(self.bounds)
+        slopes, offsets = self.frame.scale / box.half, box.to_cube(self.frame.centre)
         matrices = [change(self.degree, *line) for line in zip(slopes, offsets, strict=True)]
         tensor = evaluation.along_axes(self.tensor.astype(np.longdouble), matrices)
         a = evaluation.from_tensor(tensor, self.dimension, self.degree).astype(np.float64)
@@ -219,19 +218,18 @@ class ImplicitPolynomial:
         return np.stack([self.tensor, *first])
 
     @cached_property
-    def _axes(self) -> tuple[FloatArray, FloatArray]:
-        """Middle and half length (d,) of t = (x − middle)/half, the variable of the univariate functions."""
+    def _box(self) -> Box:
+        """The box whose coordinates t in the cube are the variables of the univariate functions."""
         if self.basis is Basis.MONOMIAL:
-            return self.frame.centre, np.full(self.dimension, self.frame.scale)
-        lower, upper = self.bounds
-        return (lower + upper) / 2.0, (upper - lower) / 2.0
+            return Box(self.frame.centre, np.full(self.dimension, self.frame.scale))
+        return Box.of(self.bounds)
 
     def _table(self, coordinates: FloatArray, axis: int) -> FloatArray:
         """Return the univariate functions at raw coordinates along one axis, (n+1, M)."""
         return univariate.table(self.basis, self.variable(coordinates, axis), self.degree)
 
     def _differentiate(self, tensor: FloatArray, axis: int) -> FloatArray:
-        D = _differentiation(self.basis, self.degree) / self._axes[1][axis]
+        D = _differentiation(self.basis, self.degree) / self._box.half[axis]
         rows = tensor.reshape(len(D) ** axis, len(D), -1)  # the axes before it, it, and those behind
         return np.asarray(np.matmul(D, rows).reshape(tensor.shape))
 

@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.polynomial import graded, univariate
+from ipcore.polynomial.box import Box
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
 
@@ -56,7 +57,7 @@ def leading_form(polynomial: ImplicitPolynomial) -> tuple[IntArray, FloatArray]:
     part = graded.form(d, degree)
     powers, leading = polynomial.exponents[part], a[part].copy()
     if polynomial.basis is Basis.CHEBYSHEV:
-        slopes = 2.0 * polynomial.frame.scale / (polynomial.bounds[1] - polynomial.bounds[0])
+        slopes = polynomial.frame.scale / Box.of(polynomial.bounds).half
         leading *= (2.0 ** np.maximum(powers - 1, 0) * slopes**powers).prod(axis=1)
     return powers, leading
 

@@ -1,4 +1,4 @@
-"""Segments or triangles of a zero set: where they lie, how large they are, and what hangs together."""
+"""Segments or triangles of a zero set: their vertices, sizes, normals and connected components."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,7 +14,7 @@ SEGMENT = 2  # corners; a triangle has 3
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Segments or triangles, with what is known about the walls of the box.
+    """Segments or triangles, and which of them lie on the walls of the box.
 
     Attributes
     ----------
@@ -23,9 +23,9 @@ class Mesh:
     cells
         (C, d), the vertices of segments (inside on the left) or triangles (counter-clockwise seen from outside).
     cap
-        (C,), the cells that lie on a wall and only close the inside.
+        (C,), whether a cell lies on a wall, where it only closes the inside.
     held
-        (V, d), the coordinates that must stay: the wall's at the rim of a cap, all within a cap.
+        (V, d), which coordinates must not change: the wall's own at the rim of a cap, all within a cap.
 
     """
 
@@ -35,14 +35,17 @@ class Mesh:
     held: BoolArray
 
     def keep(self, cells: BoolArray) -> Self:
-        """Return the mesh of some cells (C,) and of the vertices that they use."""
+        """Return the mesh of those cells that are marked in `cells` (C,), with the vertices that they use."""
         used = np.zeros(len(self.vertices), dtype=bool)
         used[self.cells[cells]] = True
         renumbered = (np.cumsum(used) - 1)[self.cells[cells]]
         return type(self)(self.vertices[used], renumbered, self.cap[cells], self.held[used])
 
-    def caps_round(self, kept: BoolArray) -> BoolArray:
-        """Return the cells (C,) of the caps that have a rim all of whose other cells are `kept` (C,)."""
+    def caps_around(self, kept: BoolArray) -> BoolArray:
+        """Return the caps' cells (C,) that stay if only the surface cells marked in `kept` (C,) do.
+
+        A cap, which is a connected component of caps' cells, stays if it meets surface cells and all of them are kept.
+        """
         if not self.cap.any():
             return self.cap
         label = labels(self.cells[self.cap], len(self.vertices))
@@ -53,12 +56,14 @@ class Mesh:
 
 
 def cell_vectors(vertices: FloatArray, cells: IntArray) -> FloatArray:
-    """Return the outward normals (C, d) of cells (C, d), as long as the segment or as the triangle is large.
+    """Return the outward normals (C, d) of cells (C, d), given the vertices (V, d).
+
+    The length of a normal is the length of the segment, or the area of the triangle.
 
     >>> cell_vectors(np.array([[0.0, 0.0], [2.0, 0.0]]), np.array([[0, 1]])).tolist()       # inside: above
     [[0.0, -2.0]]
     """
-    origin, *others = (vertices.take(corner, axis=0) for corner in cells.T)  # which takes a fifth of the time of [ ]
+    origin, *others = (vertices.take(corner, axis=0) for corner in cells.T)  # `take` needs a fifth of the time of [ ]
     first, *more = ((other - origin).T for other in others)
     out = np.empty(cells.shape)
     if not more:
@@ -74,7 +79,7 @@ def cell_vectors(vertices: FloatArray, cells: IntArray) -> FloatArray:
 
 
 def cell_middles(vertices: FloatArray, cells: IntArray) -> FloatArray:
-    """Return the means (C, d) of the corners of cells (C, d).
+    """Return the means (C, d) of the corners of cells (C, d), given the vertices (V, d).
 
     >>> cell_middles(np.array([[0.0, 0.0], [2.0, 0.0]]), np.array([[0, 1]])).tolist()
     [[1.0, 0.0]]
@@ -87,7 +92,9 @@ def cell_middles(vertices: FloatArray, cells: IntArray) -> FloatArray:
 
 
 def labels(cells: IntArray, vertices: int) -> IntArray:
-    """Return for each vertex (V,) the number of its connected component; a vertex of no cell makes its own.
+    """Return for each vertex the number of its connected component, (V,), given the cells (C, d) and V, `vertices`.
+
+    A vertex of no cell is a component of its own.
 
     >>> labels(np.array([[0, 1], [1, 2], [3, 4]]), 5).tolist()
     [0, 0, 0, 1, 1]
@@ -98,17 +105,19 @@ def labels(cells: IntArray, vertices: int) -> IntArray:
 
 
 def chains(cells: IntArray) -> list[IntArray]:
-    """Return the chains of vertices that segments (C, 2) make end to start; a closed one repeats its first vertex.
+    """Return the chains of vertices, (n,) each, that segments (C, 2) form, the end of one being the start of the next.
+
+    A closed chain repeats its first vertex at its end.
 
     >>> [chain.tolist() for chain in chains(np.array([[0, 1], [3, 4], [1, 2], [4, 3]]))]
     [[0, 1, 2], [3, 4, 3]]
     """
-    following = dict(cells.tolist())
-    entered, found = set(following.values()), []
-    for start in sorted(following, key=entered.__contains__):  # open chains from their first vertex, then closed ones
+    end_of = dict(cells.tolist())
+    ends, found = set(end_of.values()), []
+    for start in sorted(end_of, key=ends.__contains__):  # open chains from their first vertex, then closed ones
         chain = [start]
-        while chain[-1] in following:
-            chain.append(following.pop(chain[-1]))
+        while chain[-1] in end_of:
+            chain.append(end_of.pop(chain[-1]))
         if len(chain) > 1:
             found.append(np.array(chain))
     return found

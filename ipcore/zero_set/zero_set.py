@@ -1,4 +1,4 @@
-"""The zero set of a polynomial in a box: its cells, polished onto it, and the evidence that it is quiet."""
+"""The zero set of a polynomial in a box: a mesh on f = 0, its number of components and its stray share."""
 
 from dataclasses import dataclass
 
@@ -9,20 +9,17 @@ from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.extraction import extract, extract_pruned
+from ipcore.zero_set.grid import grid_lines
 from ipcore.zero_set.mesh import SEGMENT, Mesh, cell_middles, cell_vectors, chains, labels
 from ipcore.zero_set.newton import polish, unit_normals
-from ipcore.zero_set.support import remoteness
+from ipcore.zero_set.support import radii_exceeded
 
-# Grid points along the longest axis. At degree 12 these take 0.01 s and 0.1 s, and leave the length of a bumpy circle
-# 1e-5 and the area of a bumpy sphere 4e-4 short.
-RESOLUTION = {2: 256, 3: 96}
-DENSE = 1 << 21  # nodes of a grid up to which pruning does not pay
-FEWEST = 4  # grid points per axis
+DENSE_NODES = 1 << 21  # up to so many nodes, to evaluate all of them takes no longer than to find those that matter
 
 
 @dataclass(frozen=True, eq=False)
 class ZeroSet:
-    """Segments (2D) or triangles (3D) on f = 0, and what is known of the whole zero set in the box.
+    """Segments (2D) or triangles (3D) on f = 0, and two figures of the whole zero set in the box.
 
     Attributes
     ----------
@@ -34,10 +31,10 @@ class ZeroSet:
     normals
         (V, d), ∇f/‖∇f‖ at the vertices; within a cap the outward normal of the wall; zero where ∇f vanishes.
     components
-        How many connected components the whole zero set has in the box, before any restriction and without caps.
+        The number of connected components of the whole zero set in the box, before any restriction and without caps.
     stray
-        The share of its length or area that is beyond the support radius of the data (see `support`); 1 if there is
-        no zero set at all, None if no data were given.
+        The share of the whole zero set's length or area that is beyond the support radius of the data (see `support`);
+        1 if there is no zero set at all, None if no data were given.
 
     """
 
@@ -65,8 +62,33 @@ class ZeroSet:
             raise InvalidOptionsError("only a zero set in 2D has polylines")
         return [self.vertices[chain] for chain in chains(self.cells)]
 
+    def cell_normals(self) -> FloatArray:
+        """Return the outward normals of the cells (C, d), each as long as its segment or as large as its triangle.
 
-def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do with it
+        So the norms of the rows add up to the length of a curve (raw units) or the area of a surface (raw units²).
+        """
+        return cell_vectors(self.vertices, self.cells)
+
+    def vertex_components(self) -> IntArray:
+        """Return the number of the connected component in which each vertex lies, (V,), from 0.
+
+        Cells are connected if they share a vertex. A vertex of no cell is a component of its own.
+
+        >>> two = ZeroSet(np.zeros((5, 2)), np.array([[0, 1], [1, 2], [3, 4]]), np.zeros((5, 2)), 2, None)
+        >>> two.vertex_components().tolist()
+        [0, 0, 0, 1, 1]
+        """
+        return labels(self.cells, len(self.vertices))
+
+    def cells_near(self, data: FloatArray) -> BoolArray:
+        """Return which cells have their middle within the support or the gap radius of the data (N, d), raw: (C,).
+
+        These are the cells that a zero set restricted to the data keeps, but for caps.
+        """
+        return radii_exceeded(cell_middles(self.vertices, self.cells), data) <= 1
+
+
+def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kept of the zero set
     polynomial: ImplicitPolynomial,
     bounds: FloatArray | None = None,
     resolution: int | None = None,
@@ -95,7 +117,7 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
         Close the inside along the walls of the box where f = 0 leaves it. When restricting, a cap stays only if the
         zero set stays along its whole rim.
     threads
-        How many work on it; by default OMP_NUM_THREADS if set, else all cores. They change nothing beyond rounding.
+        How many threads work; by default OMP_NUM_THREADS if set, else all cores. They change nothing beyond rounding.
 
     Raises
     ------
@@ -126,7 +148,7 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     mesh = polish(_extracted(polynomial, axes, threads), polynomial, box, spacing, threads)
     surface = ~mesh.cap
     given = None if data is None else np.asarray(data, dtype=np.float64)
-    stray, dropped = (None, None) if given is None else _away(mesh, surface, given, threads)
+    stray, dropped = (None, None) if given is None else _unsupported(mesh, surface, given, threads)
     kept = _kept(mesh, dropped if restrict else None, cap=cap)
     part = mesh if kept.all() else mesh.keep(kept)
     return ZeroSet(
@@ -138,22 +160,9 @@ def zero_set(  # noqa: PLR0913 - two say where, one how fine, three what to do w
     )
 
 
-def grid_lines(polynomial: ImplicitPolynomial, bounds: FloatArray | None, resolution: int | None) -> list[FloatArray]:
-    """Return the raw grid lines of each axis, as evenly spaced as whole numbers of them allow."""
-    d = polynomial.dimension
-    box = polynomial.bounds if bounds is None else np.asarray(bounds, dtype=np.float64)
-    count = RESOLUTION[d] if resolution is None else resolution
-    if box.shape != (2, d) or not np.isfinite(box).all() or not np.all(box[0] < box[1]):
-        raise InvalidOptionsError(f"bounds must be a lower and an upper corner of {d} coordinates", ("bounds",))
-    if count < FEWEST:
-        raise InvalidOptionsError(f"resolution must be at least {FEWEST}, not {count}", ("resolution",))
-    sides = box[1] - box[0]
-    counts = np.maximum(FEWEST, 1 + np.rint((count - 1) * sides / sides.max())).astype(int)
-    return [np.linspace(low, high, n) for (low, high), n in zip(box.T, counts, strict=True)]
-
-
 def _extracted(polynomial: ImplicitPolynomial, axes: list[FloatArray], threads: int | None) -> Mesh:
-    if np.prod([len(line) for line in axes]) > DENSE:
+    """Return the cells of f = 0 on the grid with lines `axes`, (N_axis,) each, by the faster of the two methods."""
+    if np.prod([len(line) for line in axes]) > DENSE_NODES:
         return extract_pruned(polynomial, axes, threads)
     with np.errstate(over="ignore", invalid="ignore"):
         values = polynomial.on_grid(axes)
@@ -162,31 +171,35 @@ def _extracted(polynomial: ImplicitPolynomial, axes: list[FloatArray], threads: 
     return extract(values, axes)
 
 
-def _away(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None) -> tuple[float, BoolArray]:
-    """Return the stray share, and which cells (C,) a restricted zero set leaves out."""
+def _unsupported(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None) -> tuple[float, BoolArray]:
+    """Return the stray share, and which cells a restricted zero set leaves out, (C,).
+
+    `surface` (C,) marks the cells that are no caps; `data` (N, d) are raw.
+    """
     d = mesh.vertices.shape[1]
     if data.shape[1:] != (d,) or len(data) <= 1 or not np.isfinite(data).all():
         raise InvalidPointsError(f"data must be at least 2 finite points, shape (N, {d})", ("data",))
     middle = by_rows(lambda part: cell_middles(mesh.vertices, mesh.cells[part]), len(mesh.cells), threads)
-    away = remoteness(middle, data, threads)
-    return _share(mesh, surface, away > 0), away > 1
+    exceeded = radii_exceeded(middle, data, threads)
+    return _share(mesh, surface, exceeded > 0), exceeded > 1
 
 
 def _share(mesh: Mesh, surface: BoolArray, far: BoolArray) -> float:
-    """Return the share of the length or area of the surface cells that is far."""
+    """Return the share of the surface cells' length or area that is `far`; both mark cells, (C,). 1 without surface."""
     size = np.linalg.norm(cell_vectors(mesh.vertices, mesh.cells), axis=1)
     whole = float(size[surface].sum())
     return float(size[surface & far].sum()) / whole if whole > 0.0 else 1.0
 
 
 def _components(cells: IntArray, vertices: int) -> int:
+    """Return the number of connected components of cells (C, d), given V, `vertices`."""
     return len(np.unique(labels(cells, vertices)[cells]))
 
 
 def _kept(mesh: Mesh, dropped: BoolArray | None, *, cap: bool) -> BoolArray:
-    """Return the cells (C,) to keep: without the dropped ones, and with caps, if there is a surface to close."""
+    """Return which cells to keep, (C,): no `dropped` (C,) ones; with `cap`, the caps too, if they close a surface."""
     surface = ~mesh.cap
     if dropped is None:
         return np.full_like(surface, cap and bool(surface.any())) | surface
     kept = surface & ~dropped
-    return kept | mesh.caps_round(kept) if cap else kept
+    return kept | mesh.caps_around(kept) if cap else kept

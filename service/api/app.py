@@ -1,4 +1,4 @@
-"""The web application, made from parts that `service.bootstrap` puts together."""
+"""The web application; `service.bootstrap` makes the parts that it uses."""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -9,7 +9,7 @@ from fastapi import FastAPI
 from service.api import docs, problems
 from service.api.dependencies import Context
 from service.api.openapi import DocumentedApp
-from service.api.routes import fits, health
+from service.api.routes import ROUTERS
 
 DESCRIPTION = """\
 Turns 2D and 3D point sets into implicit polynomials f(x) = 0 whose degree finds itself.
@@ -24,7 +24,7 @@ Startup = Callable[[], AbstractAsyncContextManager[Context]]
 
 
 def create_app(startup: Startup) -> FastAPI:
-    """Return the application; `startup` opens its parts and closes them again."""
+    """Return the application; `startup` opens the parts that its routes use, and closes them when it ends."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -44,7 +44,7 @@ def create_app(startup: Startup) -> FastAPI:
         generate_unique_id_function=lambda route: route.name,
     )
     problems.install(app)
-    app.include_router(fits.router)
-    app.include_router(health.router)
+    for router in ROUTERS:
+        app.include_router(router)
     docs.install(app)
     return app

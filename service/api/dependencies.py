@@ -1,4 +1,4 @@
-"""What a route needs from its app, as a typed dependency."""
+"""The parts of the application that routes use, as a typed dependency."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,20 +12,20 @@ from service.jobs.use_cases import FitService
 
 @dataclass(frozen=True)
 class Context:
-    """The parts behind the routes.
+    """The parts that routes use.
 
     Attributes
     ----------
-    desk
+    fits
         The use cases.
     limits
-        What one request may ask for.
+        The limits on a request.
     incoming
-        Folder for large bodies while they are read.
+        Folder of large bodies while they are read.
 
     """
 
-    desk: FitService
+    fits: FitService
     limits: Limits
     incoming: Path
 
@@ -35,4 +35,4 @@ def _context(request: Request) -> Context:
     return context
 
 
-Here = Annotated[Context, Depends(_context)]
+ContextDep = Annotated[Context, Depends(_context)]

@@ -1,12 +1,11 @@
 """The limits of this server, checked before memory is taken."""
 
 from dataclasses import dataclass
-from math import comb
-from typing import Any
 
-from service.jobs.cost import DEFAULT_MAX_DEGREE, holds_system, rows_per_point
+import ipcore
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.requested_options import RequestedOptions
 
 
 @dataclass(frozen=True)
@@ -32,33 +31,38 @@ class Limits:
     system_bytes: int
     wait: float
 
-    def checked(self, points: PointSet, options: dict[str, Any]) -> dict[str, Any]:
-        """Return the options, with this server's highest degree if it is below the library's default; refuse too much.
+    def capped(self, dimension: int, requested: RequestedOptions) -> RequestedOptions:
+        """Return the options, with this server's highest degree as `max_degree` if that is below the default.
 
         Raises
         ------
         InvalidInputError
-            If the degree is over the limit.
-        TooLargeError
-            If points and degree together are.
+            If the caller gave a `max_degree` that is over the highest.
 
         """
-        d, highest = points.dimension, self.max_degree[points.dimension]
-        asked = options.get("max_degree")
-        if asked is not None and asked > highest:
+        highest, given = self.max_degree[dimension], requested.complete.max_degree
+        if given is not None and given > highest:
             raise InvalidInputError(
-                f"max_degree may be at most {highest} for {d}D points here, not {asked}", ("options", "max_degree")
-            )
-        degree = asked if asked is not None else min(DEFAULT_MAX_DEGREE[d], highest)
-        rows = points.points * rows_per_point(options.get("constraints", "3l"), d)
-        size = 8 * rows * min(comb(degree + d, d), points.points)
-        if holds_system(options) and size > self.system_bytes:
-            raise TooLargeError(
-                f"{points.points} points up to degree {degree} make a system of {size} bytes; {self.system_bytes} are "
-                "allowed: lower max_degree, send fewer points, or take factor auto",
+                f"max_degree may be at most {highest} for {dimension}D points here, not {given}",
                 ("options", "max_degree"),
             )
-        return options if degree == (asked or DEFAULT_MAX_DEGREE[d]) else options | {"max_degree": degree}
+        return requested if requested.complete.degree_cap(dimension) <= highest else requested.with_max_degree(highest)
+
+    def check_system(self, points: PointSet, plan: ipcore.Plan) -> None:
+        """Refuse a fit that would hold too large a linear system.
+
+        Raises
+        ------
+        TooLargeError
+            If it takes more than `system_bytes`.
+
+        """
+        if plan.held_bytes > self.system_bytes:
+            raise TooLargeError(
+                f"{points.points} points up to degree {plan.max_degree} make a system of {plan.held_bytes} bytes; "
+                f"{self.system_bytes} are allowed: lower max_degree, send fewer points, or take factor auto",
+                ("options", "max_degree"),
+            )
 
     def check_resolution(self, resolution: int | None, dimension: int) -> None:
         """Refuse a grid that would be too large.

@@ -1,4 +1,4 @@
-"""Which format came, and which one is wanted."""
+"""The format of the body of a request, and the format that the caller wants in the response."""
 
 from collections.abc import Iterable
 from email.message import Message
@@ -7,18 +7,16 @@ from http import HTTPStatus
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
-from service.jobs.media_types import FILES, POINT_SETS, ZeroSetFormat
-
-JSON = "application/json"
+from service.jobs.media_types import JSON, POINT_SET_FORMATS, ZERO_SET_FORMATS, ZeroSetFormat, zero_set_formats
 
 
-def point_set_kind(request: Request, named: str | None) -> str:
-    """Return the kind of the body: what `?format=` says, else what Content-Type says, else JSON.
+def point_set_format(request: Request, named: str | None) -> str:
+    """Return the name of the body's format: `named` by ?format= if given, else that of Content-Type, else JSON.
 
     Raises
     ------
     HTTPException
-        415 if it is none that is read here, or if the body is encoded.
+        415 if no such format is read here, or if the body is encoded.
 
     """
     encoding = request.headers.get("content-encoding", "identity")
@@ -26,25 +24,26 @@ def point_set_kind(request: Request, named: str | None) -> str:
         raise HTTPException(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"Content-Encoding {encoding[:100]!r} is not read here")
     if named is not None:
         return named
-    sent = media_type(request.headers.get("content-type", JSON))
-    if sent not in POINT_SETS:
-        known = ", ".join(POINT_SETS)
+    sent = media_type(request.headers.get("content-type", JSON.media_type))
+    names = {known.media_type: known.name for known in POINT_SET_FORMATS}
+    if sent not in names:
+        known = ", ".join(names)
         raise HTTPException(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"{sent[:100]} is not read here; known are {known}, or say ?format="
         )
-    return POINT_SETS[sent]
+    return names[sent]
 
 
-def file_kind(request: Request, dimension: int, named: str | None = None) -> ZeroSetFormat:
-    """Return the kind of zero-set file that is wanted from a fit of this dimension.
+def zero_set_format(request: Request, dimension: int, named: str | None = None) -> ZeroSetFormat:
+    """Return the format in which the caller wants the zero set of a fit of this dimension.
 
     Raises
     ------
     HTTPException
-        406 if it is none that can be made.
+        406 if there is no such format for this dimension.
 
     """
-    made = [kind for kind in FILES if kind.dimension == dimension]
+    made = zero_set_formats(dimension)
     accept = request.headers.get("accept", "*/*")
     chosen = _named(made, named) if named is not None else _best(accept, made)
     if chosen is None:
@@ -54,10 +53,23 @@ def file_kind(request: Request, dimension: int, named: str | None = None) -> Zer
     return chosen
 
 
+def wanted_file(request: Request, dimension: int) -> ZeroSetFormat | None:
+    """Return the format in which the caller wants the zero set; None if JSON is wanted at least as much.
+
+    Raises
+    ------
+    HTTPException
+        406 if there is no such format for this dimension.
+
+    """
+    return zero_set_format(request, dimension) if wants_file(request) else None
+
+
 def wants_file(request: Request) -> bool:
-    """Return whether the caller of a fit wants a zero-set file rather than JSON."""
+    """Return whether the Accept header prefers some format of zero sets to JSON."""
     accept = request.headers.get("accept", "*/*")
-    return quality(accept, JSON) < max(quality(accept, name) for kind in FILES for name in kind.media_types)
+    offered = (name for known in ZERO_SET_FORMATS for name in known.media_types)
+    return quality(accept, JSON.media_type) < max(quality(accept, name) for name in offered)
 
 
 def _named(made: list[ZeroSetFormat], name: str) -> ZeroSetFormat | None:
@@ -65,7 +77,7 @@ def _named(made: list[ZeroSetFormat], name: str) -> ZeroSetFormat | None:
 
 
 def _best(accept: str, made: list[ZeroSetFormat]) -> ZeroSetFormat | None:
-    """Return the kind that the Accept header wants most, the earlier in the list the better."""
+    """Return the format with the highest quality in the Accept header, the first of equals; None if all have 0."""
     ranked = [(max(quality(accept, name) for name in kind.media_types), kind) for kind in made]
     best = max(ranked, key=lambda row: row[0])
     return best[1] if best[0] > 0.0 else None
@@ -79,7 +91,7 @@ def media_type(header: str) -> str:
 
 
 def quality(accept: str, name: str) -> float:
-    """Return how much an Accept header wants a media type, 0 … 1: the most specific range that fits decides.
+    """Return the quality that an Accept header gives to a media type, 0 … 1: that of the most specific range it is in.
 
     >>> quality("model/*;q=0.5, model/stl", "model/ply"), quality("text/html", "model/ply")
     (0.5, 0.0)

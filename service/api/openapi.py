@@ -9,8 +9,6 @@ from service.api.problems import MEDIA_TYPE, Problem
 from service.api.schemas import FitRequest
 
 _REF = "#/components/schemas/{model}"
-# FastAPI adds these to every route with a parameter; here every error is a problem.
-_UNUSED = ("HTTPValidationError", "ValidationError")
 
 
 class DocumentedApp(FastAPI):
@@ -23,10 +21,9 @@ class DocumentedApp(FastAPI):
             _, models = models_json_schema([(FitRequest, "validation"), (Problem, "validation")], ref_template=_REF)
             schemas = document["components"]["schemas"]
             schemas.update(models["$defs"])
-            for name in _UNUSED:
-                schemas.pop(name, None)
             for operation in (operation for path in document["paths"].values() for operation in path.values()):
-                _tell_problems(operation["responses"])
+                _describe_problems(operation["responses"])
+            _remove_unused(document)
         assert self.openapi_schema is not None  # noqa: S101 - FastAPI keeps what it returned
         return self.openapi_schema
 
@@ -41,8 +38,26 @@ def problem(description: str) -> dict[str, Any]:
     return {"description": description, "content": {MEDIA_TYPE: {"schema": reference("Problem")}}}
 
 
-def _tell_problems(responses: dict[str, Any]) -> None:
-    """Replace the framework's idea of a validation error by ours, and say what every route may answer."""
+def _describe_problems(responses: dict[str, Any]) -> None:
+    """Replace FastAPI's model of a validation error by `Problem`, and add the response to any other error."""
     if "HTTPValidationError" in str(responses.get("422")):
         responses["422"] = problem("A parameter has a value that is not allowed.")
     responses.setdefault("default", problem("Any other error."))
+
+
+def _remove_unused(document: dict[str, Any]) -> None:
+    """Remove the schemas that nothing refers to, such as FastAPI's own models of errors."""
+    schemas: dict[str, Any] = document["components"]["schemas"]
+    while unused := [name for name in schemas if _REF.format(model=name) not in _references(document)]:
+        for name in unused:
+            del schemas[name]
+
+
+def _references(part: object) -> set[str]:
+    """Return the target of every `$ref` in a part of a JSON document."""
+    if isinstance(part, list):
+        return set().union(*map(_references, part))
+    if not isinstance(part, dict):
+        return set()
+    own = {part["$ref"]} if isinstance(part.get("$ref"), str) else set()
+    return own.union(*map(_references, part.values()))

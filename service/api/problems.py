@@ -95,15 +95,6 @@ def trace_id(request: Request) -> str:
     return str(request.state.trace_id)
 
 
-def pointer(at: Iterable[str | int]) -> str:
-    """Return a JSON pointer.
-
-    >>> pointer(("points", 17, 1))
-    '/points/17/1'
-    """
-    return "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in at)
-
-
 def install(app: FastAPI) -> None:
     """Answer every error of this app with a problem."""
     app.add_exception_handler(errors.JobError, _job_error)
@@ -132,7 +123,7 @@ def _fault(request: Request, detail: str, at: tuple[str | int, ...]) -> Fault:
     named = next((part for part in at if part in request.query_params), None)
     if named is not None:
         return Fault(detail=detail, parameter=str(named))
-    return Fault(detail=detail, pointer=pointer(at))
+    return Fault(detail=detail, pointer=errors.json_pointer(at))
 
 
 def _gone(request: Request, _error: Exception) -> Response:

@@ -1,4 +1,4 @@
-"""A fit as the JSON that callers see."""
+"""Responses with a fit, as JSON, or with its zero set, as a file."""
 
 import hashlib
 from http import HTTPStatus
@@ -8,6 +8,7 @@ import orjson
 from fastapi import Request, Response
 
 from service.jobs.fit import Fit
+from service.jobs.media_types import ZeroSetFormat
 
 
 def fit_response(
@@ -29,6 +30,14 @@ def fit_response(
     return Response(body, status, sent, "application/json")
 
 
+def zero_set_response(
+    fit_id: str, sent: ZeroSetFormat, content: bytes, headers: dict[str, str] | None = None
+) -> Response:
+    """Return the file of a zero set as a response."""
+    named = {"Content-Disposition": f'inline; filename="{fit_id}.{sent.name}"', "Vary": "Accept", **(headers or {})}
+    return Response(content, headers=named, media_type=sent.media_types[0])
+
+
 def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the members of `FitResource` that this fit has."""
     members: dict[str, Any] = {
@@ -39,7 +48,7 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
         "finished": fit.finished,
         "dimension": fit.input.dimension,
         "points": fit.input.points,
-        "options": fit.options,
+        "options": fit.requested.given,
     }
     if not fit.status.final:
         members["progress"] = progress

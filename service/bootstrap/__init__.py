@@ -1,6 +1,6 @@
-"""The only place where parts are put together."""
+"""The composition root: the only place where adapters are made and connected."""
 
-from service.bootstrap.application import application, drain, hurry
+from service.bootstrap.application import application, drain, end_drain
 from service.bootstrap.cluster import work
 
-__all__ = ["application", "drain", "hurry", "work"]
+__all__ = ["application", "drain", "end_drain", "work"]

@@ -1,4 +1,4 @@
-"""The web application, on the store that the settings name."""
+"""The web application, for the store that the settings name."""
 
 import asyncio
 
@@ -11,22 +11,22 @@ from service.settings import Settings
 
 
 def application(settings: Settings) -> FastAPI:
-    """Return the application: a replica of a cluster if there is a shared database, else a server of its own."""
-    room = embedded if settings.database_url is None else cluster
-    return create_app(lambda: room.context(settings))
+    """Return the application: a replica of a cluster if a shared database is set, else an embedded server."""
+    kind = embedded if settings.database_url is None else cluster
+    return create_app(lambda: kind.context(settings))
 
 
 async def drain(app: FastAPI, seconds: float) -> None:
-    """Have a running application accept nothing more, and let what runs end in so much time."""
-    await _desk(app).drain(seconds)
+    """Let a running application accept no more fits, and give those that run so much time to end."""
+    await _fits(app).drain(seconds)
 
 
-def hurry(app: FastAPI) -> None:
+def end_drain(app: FastAPI) -> None:
     """End a drain at once; may be called from a signal handler."""
     if hasattr(app.state, "context"):  # else it is still starting, and runs nothing
-        asyncio.get_running_loop().call_soon_threadsafe(_desk(app).hurry)
+        asyncio.get_running_loop().call_soon_threadsafe(_fits(app).end_drain)
 
 
-def _desk(app: FastAPI) -> FitService:
-    desk: FitService = app.state.context.desk
-    return desk
+def _fits(app: FastAPI) -> FitService:
+    fits: FitService = app.state.context.fits
+    return fits

@@ -23,60 +23,60 @@ from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.migrations import Part
-from service.store.schema import PATIENCE, postgres_engine
+from service.store.schema import TIMEOUTS, postgres_engine
 
 logger = logging.getLogger(__name__)
 
-# Seconds between tries, while there is no database yet when a process starts.
-PAUSE = 1.0
+# Seconds between two tries to reach the database when a process starts.
+CONNECT_PAUSE = 1.0
 
 
 @asynccontextmanager
 async def context(settings: Settings) -> AsyncIterator[Context]:
-    """Yield the parts of a replica of the API, and close them again."""
+    """Yield the context of a replica of the API, and close it again."""
     async with _engine(settings) as engine:
-        await _reached(engine)  # if it is not, requests try again, and are answered with 503 meanwhile
+        await _is_usable(engine)  # if not, every request tries again, and is answered with 503 until it is
         store, blobs = _stores(settings, engine)
-        queue = FitListener(store, _patient(settings))
+        queue = FitListener(store, _conninfo(settings))
         listening = asyncio.create_task(queue.listen())
         try:
             with TemporaryDirectory(prefix="ipfit-") as incoming:
-                async with components.desk(settings, store, blobs, queue) as desk:
-                    yield Context(desk, components.limits(settings), Path(incoming))
+                async with components.fit_service(settings, store, blobs, queue) as fits:
+                    yield Context(fits, components.limits(settings), Path(incoming))
         finally:
             listening.cancel()
 
 
 async def work(settings: Settings) -> None:
-    """Run fits until SIGTERM; on a second one, end at once."""
+    """Run fits until SIGTERM; on a second SIGTERM, end at once."""
     async with _engine(settings) as engine, components.fitters(settings) as fitters:
-        while not await _reached(engine):  # noqa: ASYNC110 - nothing tells when it is there
-            await asyncio.sleep(PAUSE)
+        while not await _is_usable(engine):  # noqa: ASYNC110 - nothing notifies when it is
+            await asyncio.sleep(CONNECT_PAUSE)
         store, blobs = _stores(settings, engine)
         retention = components.retention(settings, store, blobs)
 
-        def tidy() -> None:
-            if found := store.rejoin(2.0 * settings.lease):
+        def clean_up() -> None:
+            if found := store.requeue_lost(2.0 * settings.lease):
                 logger.warning("%d fits had no job any more and were queued again", found)
             retention.sweep()
 
-        crew = ProcrastinateWorker(
+        worker = ProcrastinateWorker(
             store,
             components.runner(settings, store, blobs, fitters, publish=True),
-            tidy,
-            url=_patient(settings),
+            clean_up,
+            url=_conninfo(settings),
             seats=settings.workers,
             short_seats=settings.short_workers,
             lease=settings.lease,
         )
         for one in (signal.SIGTERM, signal.SIGINT):
-            asyncio.get_running_loop().add_signal_handler(one, crew.stop)
-        await crew.work(settings.shutdown_grace)
+            asyncio.get_running_loop().add_signal_handler(one, worker.stop)
+        await worker.work(settings.shutdown_grace)
 
 
-def _patient(settings: Settings) -> str:
-    """Return how to reach the database, with the same patience everywhere."""
-    return make_conninfo(str(settings.database_url), **PATIENCE)
+def _conninfo(settings: Settings) -> str:
+    """Return the connection string of the database, with the same timeouts as the engine."""
+    return make_conninfo(str(settings.database_url), **TIMEOUTS)
 
 
 def _stores(settings: Settings, engine: Engine) -> tuple[SqlFits, Blobs]:
@@ -95,8 +95,8 @@ async def _engine(settings: Settings) -> AsyncIterator[Engine]:
         engine.dispose()
 
 
-async def _reached(engine: Engine) -> bool:
-    """Return whether the database answers and takes writes; its tables are then up to date.
+async def _is_usable(engine: Engine) -> bool:
+    """Return whether the database can be connected to; its tables are then up to date.
 
     Raises
     ------
@@ -107,6 +107,6 @@ async def _reached(engine: Engine) -> bool:
     try:
         await asyncio.to_thread(lambda: engine.connect().close())
     except (SQLAlchemyError, psycopg.Error) as error:
-        logger.warning("the database cannot be used; the next try is in %g s: %s", PAUSE, error)
+        logger.warning("the database cannot be used; the next try is in %g s: %s", CONNECT_PAUSE, error)
         return False
     return True

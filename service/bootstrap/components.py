@@ -1,4 +1,4 @@
-"""Parts that an embedded server and a cluster have alike."""
+"""The components that an embedded server and a cluster both have."""
 
 import asyncio
 import os
@@ -10,19 +10,21 @@ from uuid import uuid4
 from service.api.limits import Limits
 from service.formats.points.reader import PointSetReader
 from service.formats.zero_set.exporter import MeshExporter
-from service.jobs.fit import MAX_CRASHES, Holder
+from service.jobs.fit import MAX_CRASHES
+from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
 from service.jobs.use_cases import FitService
 from service.queue.runner import Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
+from service.workers.planner import FitPlanner
 from service.workers.pool import WorkerPool
 
 
 @asynccontextmanager
 async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
-    """Yield a pool whose workers are warm."""
+    """Yield a pool whose workers have started."""
     made = WorkerPool(size, settings.tasks_per_worker, settings.worker_memory, tries)
     try:
         await made.warm_up()
@@ -33,36 +35,40 @@ async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[W
 
 @asynccontextmanager
 async def fitters(settings: Settings) -> AsyncIterator[WorkerPool]:
-    """Yield the workers that fit: a seat for each fit that may run at once."""
+    """Yield the pool in which fits run, with a worker for each fit that may run at once."""
     async with pool(settings, settings.workers + settings.short_workers) as made:
         yield made
 
 
 def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: WorkerPool, *, publish: bool) -> Runner:
-    """Return what runs fits in these workers."""
+    """Return the runner of fits in these workers."""
     name = f"{socket.gethostname()}-{os.getpid()}-{uuid4().hex[:8]}"
-    holder = Holder(name, settings.lease)
-    work = Tasks(tasks.fit, tasks.part, tasks.rest)
+    holder = LeaseHolder(name, settings.lease)
+    work = Tasks(tasks.fit, tasks.sum_moments, tasks.fit_from_moments)
     return Runner(store, blobs, workers, work, holder=holder, deadline=settings.fit_deadline, publish=publish)
 
 
 @asynccontextmanager
-async def desk(settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue) -> AsyncIterator[FitService]:
-    """Yield the use cases, with a worker that reads and draws, so that neither waits for a fit."""
-    async with pool(settings, 1, tries=MAX_CRASHES) as clerks:
-        reader = PointSetReader(clerks, settings.max_points, settings.mesh_deadline)
-        exporter = MeshExporter(clerks, settings.mesh_deadline)
-        yield FitService(store, blobs, queue, reader, exporter, split_points=settings.split_points)
+async def fit_service(
+    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue
+) -> AsyncIterator[FitService]:
+    """Yield the use cases, with a worker of their own that reads bodies and exports zero sets while fits run."""
+    async with pool(settings, 1, tries=MAX_CRASHES) as readers:
+        reader = PointSetReader(readers, settings.max_points, settings.mesh_deadline)
+        exporter = MeshExporter(readers, settings.mesh_deadline)
+        yield FitService(
+            store, blobs, queue, reader, exporter, planner=FitPlanner(), split_points=settings.split_points
+        )
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:
-    """Return what removes old fits, and in a data folder, which is one server's alone, what crashes left."""
-    alone = settings.database_url is None and settings.blobs_url is None
-    return Retention(store, blobs, settings.keep_seconds, settings.keep_bytes, alone=alone)
+    """Return the removal of old fits; in a data folder, which only one server uses, also of orphaned point sets."""
+    exclusive = settings.database_url is None and settings.blobs_url is None
+    return Retention(store, blobs, settings.keep_seconds, settings.keep_bytes, exclusive=exclusive)
 
 
 def limits(settings: Settings) -> Limits:
-    """Return what one request may ask for."""
+    """Return the limits on a request."""
     return Limits(
         body_bytes=settings.max_body_bytes,
         max_degree={2: settings.max_degree_2d, 3: settings.max_degree_3d},

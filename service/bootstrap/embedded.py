@@ -1,4 +1,4 @@
-"""One server that keeps everything in its data folder and runs fits itself."""
+"""An embedded server: it stores everything in its data folder and runs fits itself."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -16,7 +16,7 @@ from service.store.schema import sqlite_engine
 
 @asynccontextmanager
 async def context(settings: Settings) -> AsyncIterator[Context]:
-    """Yield the parts of a server that has taken up what an earlier one left, and close them again."""
+    """Yield the context of a server that resumes the fits which an earlier one left, and close it again."""
     with opened(settings.data_dir) as folder:
         engine = sqlite_engine(folder.database)
         store, blobs = SqlFits(engine, settings.queue_limit), Blobs(settings.blobs_url or str(folder.blobs))
@@ -25,10 +25,10 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
             async with components.fitters(settings) as fitters:
                 runner = components.runner(settings, store, blobs, fitters, publish=False)
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
-                async with components.desk(settings, store, blobs, queue) as desk:
+                async with components.fit_service(settings, store, blobs, queue) as fits:
                     try:
                         await queue.resume()
-                        yield Context(desk, components.limits(settings), folder.incoming)
+                        yield Context(fits, components.limits(settings), folder.incoming)
                     finally:
                         await queue.close()
         finally:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import orjson
 import typer
@@ -17,9 +17,14 @@ from service.formats.points import decode, files
 from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
 from service.jobs.fit import PointSet
-from service.jobs.media_types import FILES
+from service.jobs.media_types import zero_set_formats
 
 MAX_POINTS = 10_000_000
+
+
+def _endings(dimension: int) -> str:
+    """Return the endings of the zero-set files of this dimension, for a help text."""
+    return " ".join(f".{known.name}" for known in zero_set_formats(dimension))
 
 
 @with_fit_options
@@ -28,7 +33,7 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
         Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
     ],
     mesh: Annotated[
-        Path | None, typer.Option(help="Write the zero set here: .glb .ply .stl .obj in 3D, .svg .geojson in 2D.")
+        Path | None, typer.Option(help=f"Write the zero set here: {_endings(3)} in 3D, {_endings(2)} in 2D.")
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
@@ -40,13 +45,13 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
         Literal["refuse", "drop"], typer.Option(help="Whether a point with a missing value is refused or left out.")
     ] = "refuse",
     *,
-    options: dict[str, Any],
+    options: ipcore.FitOptions,
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
         given = files.read_file(file, MAX_POINTS, columns=columns, missing=missing)
         targets = {"mesh": mesh, "plot": plot, "output": output}
-        _run(file, given, ipcore.FitOptions.of(**options), targets, resolution)
+        _run(file, given, options, targets, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
@@ -57,8 +62,9 @@ def _run(
 ) -> None:
     writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is said before the work, not after
     points, normals = decode.split(given.content, given.dimension)
+    checked = given.summary.restored(points, normals)
     with _bar(options.degree_cap(given.dimension)) as show:
-        result = ipcore.fit(points, normals, options, progress=show)
+        result = ipcore.fit(checked, options=options, progress=show)
     _summarise(file, given, result)
     if targets["mesh"] is not None and writer is not None:
         zero_set = ipcore.zero_set(result.polynomial, resolution=resolution, data=points)
@@ -73,7 +79,7 @@ def _mesh_writer(path: Path | None, dimension: int) -> Callable[[ipcore.ZeroSet]
     """Return what writes a zero set of this dimension to a file with this ending."""
     if path is None:
         return None
-    known = [kind.name for kind in FILES if kind.dimension == dimension]
+    known = [one.name for one in zero_set_formats(dimension)]
     if path.suffix[1:].lower() not in known:
         raise InvalidInputError(
             f"--mesh of a {dimension}D fit must end in one of {', '.join(known)}, not {path.suffix!r}"

@@ -15,7 +15,7 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.bootstrap import application, drain, hurry
+from service.bootstrap import application, drain, end_drain
 from service.options import table as fit_options
 from service.settings import Settings, table
 
@@ -23,7 +23,7 @@ from service.settings import Settings, table
 # uploads and drawings.
 GRACE = 5
 # … and after a second signal.
-HURRIED_GRACE = 1
+SHORT_GRACE_SECONDS = 1
 
 
 class _Server(uvicorn.Server):
@@ -35,8 +35,8 @@ class _Server(uvicorn.Server):
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         if self.should_exit:
-            hurry(self._app)
-            self.config.timeout_graceful_shutdown = HURRIED_GRACE
+            end_drain(self._app)
+            self.config.timeout_graceful_shutdown = SHORT_GRACE_SECONDS
             self.force_exit = self._drained  # uvicorn's own word for waiting no longer; what ran was given back
         super().handle_exit(sig, frame)
 

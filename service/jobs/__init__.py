@@ -1,1 +1,1 @@
-"""The domain: what a fit is, which moves it may make, and what the service does with it. No framework is known here."""
+"""The domain: fits, their transitions, the use cases, and the ports to everything outside. It knows no framework."""

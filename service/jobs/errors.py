@@ -1,4 +1,6 @@
-"""What the use cases raise. The API has one table from these to HTTP."""
+"""The errors that the use cases raise. `service.api.problems` has the one table from these to HTTP statuses."""
+
+from collections.abc import Iterable
 
 
 class JobError(Exception):
@@ -10,15 +12,15 @@ class FitNotFoundError(JobError):
 
 
 class FitNotFinishedError(JobError):
-    """The fit has no answer yet."""
+    """The fit has no result yet."""
 
 
 class FitWithoutResultError(JobError):
-    """The fit ended without an answer: it failed or was dismissed."""
+    """The fit ended without a result: it failed or was dismissed."""
 
 
 class DeadlineExceededError(JobError):
-    """The work took longer than it may, and its worker was killed."""
+    """The work took longer than its deadline, and its worker was killed."""
 
 
 class WorkerCrashedError(JobError):
@@ -30,22 +32,22 @@ class OutOfMemoryError(JobError):
 
 
 class InvalidInputError(JobError):
-    """What the caller sent cannot be fitted or drawn.
+    """The request cannot be carried out: its points cannot be fitted, or an option or a parameter is not allowed.
 
     Attributes
     ----------
     at
-        The place in what was sent, outermost first: `("points", 17, 1)`.
+        The place in the request, outermost first: `("points", 17, 1)`.
 
     """
 
     def __init__(self, message: str, at: tuple[str | int, ...] = ()) -> None:
-        """Keep the sentence and the place."""
+        """Take the message and the place."""
         super().__init__(message)
         self.at = at
 
     def __reduce__(self) -> tuple[type["InvalidInputError"], tuple[str, tuple[str | int, ...]]]:
-        """Pickle with both arguments, for the way back from a worker."""
+        """Pickle with both arguments: errors are raised in workers and travel to the server."""
         return type(self), (str(self), self.at)
 
 
@@ -58,11 +60,11 @@ class TooLargeError(InvalidInputError):
 
 
 class NotReadyError(JobError):
-    """What fits need is away at the moment: the database, the point sets, room on the disk."""
+    """Something that fits need is not available at the moment: the database, the point sets, or room on the disk."""
 
 
 class QueueFullError(JobError):
-    """As many fits wait as this server lets wait.
+    """As many fits wait as the limit of this server allows.
 
     Attributes
     ----------
@@ -72,14 +74,23 @@ class QueueFullError(JobError):
     """
 
     def __init__(self, message: str, retry_after: float) -> None:
-        """Keep the sentence and the time."""
+        """Take the message and the time."""
         super().__init__(message)
         self.retry_after = retry_after
 
 
 class KeyReusedError(JobError):
-    """An idempotency key came again with something else to fit."""
+    """An idempotency key was sent before with another point set or other options."""
 
 
 class ShuttingDownError(JobError):
-    """The server is stopping and takes nothing new."""
+    """The server is stopping and accepts nothing new."""
+
+
+def json_pointer(at: Iterable[str | int]) -> str:
+    """Return a place in a JSON document as a JSON pointer (RFC 6901).
+
+    >>> json_pointer(("points", 17, 1))
+    '/points/17/1'
+    """
+    return "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in at)

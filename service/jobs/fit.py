@@ -1,16 +1,17 @@
-"""A fit as the service knows it, and the one table of its legal moves."""
+"""A fit as the service knows it, and the one table of its legal transitions."""
 
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from service.jobs.cost import SHORT
+from service.jobs.point_set_summary import PointSetSummary
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 
 
 class FitStatus(StrEnum):
-    """Where a fit is in its life."""
+    """The status of a fit."""
 
     ACCEPTED = "accepted"
     RUNNING = "running"
@@ -20,12 +21,12 @@ class FitStatus(StrEnum):
 
     @property
     def final(self) -> bool:
-        """Return whether nothing can happen to the fit any more."""
+        """Return whether the fit has ended: no transition leads on from here."""
         return not TRANSITIONS[self]
 
 
 # running → accepted: its worker died, or the server stopped, and it is to run again; or all of its parts have ended,
-# and what is left of it waits for a worker.
+# and the fit itself, which has to add their sums, waits for a worker.
 TRANSITIONS: dict[FitStatus, frozenset[FitStatus]] = {
     FitStatus.ACCEPTED: frozenset({FitStatus.RUNNING, FitStatus.DISMISSED}),
     FitStatus.RUNNING: frozenset(
@@ -37,10 +38,13 @@ TRANSITIONS: dict[FitStatus, frozenset[FitStatus]] = {
 }
 
 
-# A fit whose worker process died is started once more: what kills two would kill a third.
+# Predicted seconds up to which a fit is short. The prediction is an upper estimate: this much is predicted for a fit of
+# 100,000 points in 2D up to the default degree.
+SHORT_SECONDS = 15.0
+# A fit fails when so many of its worker processes have died: one that killed two would kill a third.
 MAX_CRASHES = 2
-# A fit whose supervisor died is taken over by another one so often: supervisors die for many reasons, but a fit that
-# brings each of them down must not do so for ever.
+# A fit fails when so many of the processes that supervised it have died. They die for many reasons, but a fit that
+# kills each of them must not do so for ever.
 MAX_ABANDONED = 5
 
 
@@ -72,29 +76,40 @@ class Failure:
 
 @dataclass(frozen=True)
 class PointSet:
-    """A point set that was read and checked, not yet stored.
+    """A point set that was read and checked, but is not stored yet.
 
     Attributes
     ----------
     content
         An npy file of doubles: (N, d) points, or (N, 2d) points and unit normals.
+    key
+        SHA-256 of the content, under which it will be stored.
     dimension, points
         d and N.
+    normals
+        Whether the points come with normals.
     options
-        What came along in the same body, unchecked.
-    frame
-        Its frame, if it has normals and is not planar: then sums over its points can be made part by part.
+        The options in the same body, by name, unchecked.
+    summary
+        Its frame and its digest, worked out when it was checked.
     left_out
         Points that were left out because a value of theirs was missing.
 
     """
 
     content: bytes
+    key: str
     dimension: int
     points: int
+    normals: bool
     options: dict[str, Any]
-    frame: Frame | None = None
+    summary: PointSetSummary
     left_out: int = 0
+
+    @property
+    def frame(self) -> Frame | None:
+        """Return the frame in which parts of the points can be summed; None without normals or on a plane."""
+        return self.summary.frame if self.normals and not self.summary.planar else None
 
 
 @dataclass(frozen=True)
@@ -104,11 +119,13 @@ class PointSetRef:
     Attributes
     ----------
     key
-        Of the blob: an (N, d) npy of points, or (N, 2d) of points and normals, doubles.
+        The key of its blob, an npy file of doubles: (N, d) points, or (N, 2d) points and unit normals.
     dimension, points
         d and N.
     size
-        Its bytes.
+        Bytes of the blob.
+    summary
+        Its frame and its digest, worked out when it was checked; None if version 0.1 stored it.
 
     """
 
@@ -116,59 +133,43 @@ class PointSetRef:
     dimension: int
     points: int
     size: int = 0
-
-
-@dataclass(frozen=True)
-class Holder:
-    """Who runs fits, and for how long the store believes it without hearing from it again.
-
-    Attributes
-    ----------
-    name
-        Of the supervisor, unique.
-    lease
-        Seconds.
-
-    """
-
-    name: str
-    lease: float
+    summary: PointSetSummary | None = None
 
 
 @dataclass(frozen=True)
 class Fit:
-    """One fit; or a part of one, which lives as fits do, and whose result are the moments of some of the points.
+    """One fit, or a part of one: it has the same transitions, and its result are the moments of a slice of the points.
 
     Attributes
     ----------
-    options
-        What was asked for, by option name; defaults are not filled in.
+    requested
+        The options, as the caller gave them.
     client
-        Who sent it; the queue is fair between clients.
+        The address that sent it; the queue is fair between clients.
     cost
         Predicted seconds.
     key, payload
-        The idempotency key that came with it, and a hash of what is to be fitted and how.
+        The idempotency key of its request, and a hash of its point set and options.
     attempt
-        How often it was started: 0 while it waits for the first time. Only the latest attempt may end the fit.
+        How often it was started: 0 before the first time. Only the latest attempt may end the fit.
     crashes
         How often its worker process died.
     result
-        JSON of the answer, when successful.
+        The result as JSON, or a part's moments as npz, when successful.
     failure
-        Why, when failed.
+        Why it failed, when failed.
     parts, unsummed
-        Of a fit that was split: how many parts it has, and how many of them have not ended yet. Until all have, it is
-        not in line itself.
+        For a fit that was split: the number of its parts, and of those that have not ended yet. The fit itself is not
+        queued before all have.
     whole, slice
-        Of a part: the fit that it belongs to, and its points.
+        For a part: the id of the fit that it belongs to, and the slice of the points that it sums.
 
     """
 
     id: str
     status: FitStatus
     input: PointSetRef
-    options: dict[str, Any]
+    requested: RequestedOptions
     created: datetime
     client: str = ""
     cost: float = 0.0
@@ -187,5 +188,5 @@ class Fit:
 
     @property
     def short(self) -> bool:
-        """Return whether it may use the lane of the short. The parts of a huge fit must not: together they are long."""
-        return self.whole is None and self.cost <= SHORT
+        """Return whether it may run in the lane of short fits. Parts may not: together they take long."""
+        return self.whole is None and self.cost <= SHORT_SECONDS

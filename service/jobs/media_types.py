@@ -1,22 +1,40 @@
-"""What can come in and go out: the kinds of point-set bodies and of zero-set files, by name and media type."""
+"""The file formats of point sets and zero sets.
+
+This is the one list: the OpenAPI document, content negotiation, the command line and the writers are derived from it.
+"""
 
 from dataclasses import dataclass
 
-POINT_SETS: dict[str, str] = {"application/json": "json", "application/x-npy": "npy"}
-
 
 @dataclass(frozen=True)
-class ZeroSetFormat:
-    """A kind of zero-set file.
+class PointSetFormat:
+    """A format of point sets in the body of a request.
 
     Attributes
     ----------
     name
-        As `?format=` says it, and the file's ending.
+        As in `?format=`.
+    media_type
+        As in Content-Type.
+
+    """
+
+    name: str
+    media_type: str
+
+
+@dataclass(frozen=True)
+class ZeroSetFormat:
+    """A file format of zero sets. `service.formats.zero_set` has a module of the same name that writes it.
+
+    Attributes
+    ----------
+    name
+        As in `?format=`, and the ending of the file.
     dimension
-        Of the fits that it can show.
+        Of the fits whose zero sets it can hold.
     media_types
-        The one it is sent as, then others that ask for it.
+        The first is the one that is sent; the others are accepted in requests as well.
 
     """
 
@@ -25,8 +43,10 @@ class ZeroSetFormat:
     media_types: tuple[str, ...]
 
 
-# The first of each dimension is what is sent when the caller does not care.
-FILES: tuple[ZeroSetFormat, ...] = (
+JSON = PointSetFormat("json", "application/json")
+POINT_SET_FORMATS = (JSON, PointSetFormat("npy", "application/x-npy"))
+# The first of each dimension is sent to a caller who does not name a format.
+ZERO_SET_FORMATS = (
     ZeroSetFormat("glb", 3, ("model/gltf-binary",)),
     ZeroSetFormat("ply", 3, ("model/ply", "application/x-ply")),
     ZeroSetFormat("stl", 3, ("model/stl",)),
@@ -36,24 +56,10 @@ FILES: tuple[ZeroSetFormat, ...] = (
 )
 
 
-@dataclass(frozen=True)
-class MeshRequest:
-    """How a zero set is to be drawn.
+def zero_set_formats(dimension: int) -> list[ZeroSetFormat]:
+    """Return the formats for fits of this dimension.
 
-    Attributes
-    ----------
-    kind
-        Name of the file kind.
-    resolution
-        Grid points along the longest axis; None lets the library choose.
-    bounds
-        Lower and upper corner, raw coordinates; None means the fit's own.
-    restrict
-        Whether to leave out what lies away from the data.
-
+    >>> [known.name for known in zero_set_formats(2)]
+    ['svg', 'geojson']
     """
-
-    kind: str
-    resolution: int | None = None
-    bounds: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-    restrict: bool = True
+    return [known for known in ZERO_SET_FORMATS if known.dimension == dimension]

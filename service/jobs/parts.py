@@ -1,4 +1,8 @@
-"""A huge fit in parts: each sums the moments of some of the points; the fit adds them up and goes on from there."""
+"""Splitting the fit of a huge point set into parts.
+
+A part sums the moments of a slice of the points. When all parts have ended, the fit itself runs: it adds their moments
+and fits.
+"""
 
 from dataclasses import replace
 from math import ceil
@@ -8,14 +12,16 @@ from service.jobs.slices import Frame, Slice
 
 
 def split(fit: Fit, frame: Frame, most: int) -> tuple[Fit, list[Fit]]:
-    """Return a new fit as one of parts, and its parts, of at most so many points each, and of equally many.
+    """Return a new fit, marked as having parts, and its parts, of equally many points each and at most `most`.
 
-    Each takes its share of the predicted time; what is left for the fit itself, to look at every degree and to refine
-    it on all points, may take as long once more. The ids of the parts sort as their points do.
+    Each part gets its share of the predicted time of the fit. The fit itself keeps all of it, for what remains to do
+    after the sums: it may look at every degree on all points. The ids of the parts sort in the order of their slices.
 
     >>> from datetime import UTC, datetime
     >>> from service.jobs.fit import FitStatus, PointSetRef
-    >>> fit = Fit("a", FitStatus.ACCEPTED, PointSetRef("", 3, 1000), {}, datetime.now(UTC), cost=9.0)
+    >>> from service.jobs.requested_options import RequestedOptions
+    >>> given = PointSetRef("", 3, 1000)
+    >>> fit = Fit("a", FitStatus.ACCEPTED, given, RequestedOptions({}), datetime.now(UTC), cost=9.0)
     >>> whole, parts = split(fit, Frame((0.0, 0.0, 0.0), 1.0), 400)
     >>> whole.unsummed, [(one.id, one.slice.first, one.slice.last, one.cost) for one in parts]
     (3, [('a-00000', 0, 333, 3.0), ('a-00001', 333, 666, 3.0), ('a-00002', 666, 1000, 3.0)])

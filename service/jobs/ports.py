@@ -1,27 +1,30 @@
-"""What the use cases need from the outside, as Protocols; `service.bootstrap` puts the real ones in."""
+"""The ports of the domain, as Protocols: what it needs from outside. `service.bootstrap` connects the adapters."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from service.jobs.fit import Failure, Fit, FitStatus, Holder, PointSet
-from service.jobs.media_types import MeshRequest
+import ipcore
+from service.jobs.fit import Failure, Fit, FitStatus, PointSet
+from service.jobs.lease_holder import LeaseHolder
+from service.jobs.mesh_request import MeshRequest
 
 T = TypeVar("T")
 
 
 class FitStore(Protocol):
-    """Fits, durable. Every method is one transaction; a move that the table of moves forbids changes nothing."""
+    """Stores fits durably. Every method is one transaction; one that `TRANSITIONS` forbids changes nothing."""
 
-    def add(self, fit: Fit, keep: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
-        """Store a new fit with its parts and return it, or the fit that came earlier with the same key and payload.
+    def add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
+        """Store a new fit with its parts and return it, or return the earlier fit with the same key and payload.
 
-        `keep` stores its input, at a moment when nobody can be removing it. When this returns, both survive a crash.
+        `store_input` is called while no other process can remove the same input. When this returns, the fit and its
+        input survive a crash.
 
         Raises
         ------
         KeyReusedError
-            If the key came with another payload.
+            If the earlier fit with this key has another payload.
         QueueFullError
             If too many fits wait.
 
@@ -30,53 +33,53 @@ class FitStore(Protocol):
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
 
-    def start(self, fit_id: str, holder: Holder) -> int | None:
-        """Move to running, on a lease, and return the attempt, from 1; None if the fit does not wait.
+    def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
+        """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None.
 
-        A running fit whose lease has run out counts as waiting: its holder is dead. With its first part a fit runs,
-        too; it waits again, to be started itself, when the last one has ended.
+        A running fit whose lease has run out counts as waiting: its holder is dead. When its first part starts, the fit
+        itself is set to running, too; when its last part has ended, it waits again, to be started itself.
         """
 
     def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
-        """Prolong the lease, if this attempt still holds the fit."""
+        """Prolong the lease, if this attempt still holds the fit; return whether it does."""
 
     def release(self, fit_id: str, attempt: int, *, crashed: bool = False) -> bool:
-        """Move from running back to accepted, if this attempt still holds the fit; count a crash if it was one."""
+        """Set a fit back to accepted, if this attempt still holds it; with `crashed`, count a crash."""
 
     def finish(
         self, fit_id: str, attempt: int, status: FitStatus, result: bytes | None, failure: Failure | None
     ) -> bool:
-        """Move to a final status with its result or failure, if this attempt still holds the fit.
+        """Set a fit to a final status with its result or failure, if this attempt still holds it.
 
-        Its parts go. If it is itself a part, it counts as summed, or its fit fails with it.
+        Its parts are removed. If it is itself a part, its fit has one part less to wait for, or fails with it.
         """
 
     def sums(self, fit_id: str) -> list[bytes]:
-        """Return what the parts of a fit resulted in, in their order."""
+        """Return the results of the parts of a fit, in the order of their slices."""
 
     def dismiss(self, fit_id: str) -> bool:
-        """Move to dismissed, if the fit is live; its parts go."""
+        """Set a live fit to dismissed and remove its parts; return False if it has ended."""
 
-    def remove(self, fit_id: str, drop: Callable[[str], object]) -> bool:
-        """Forget a fit that has ended, and `drop` its input if no other fit has the same."""
+    def remove(self, fit_id: str, delete_input: Callable[[str], object]) -> bool:
+        """Remove a fit that has ended, and call `delete_input` with its input's key if no other fit has the same."""
 
-    def discard(self, key: str, drop: Callable[[str], object]) -> bool:
-        """`drop` an input, at a moment when no fit can be coming with it, if no fit has it; return whether."""
+    def discard(self, key: str, delete_input: Callable[[str], object]) -> bool:
+        """Call `delete_input` with a key that no fit has, while no fit with it can be added; return whether it was."""
 
     def unused(self, keys: Iterable[str]) -> list[str]:
-        """Return those of the inputs that no fit has."""
+        """Return those of the inputs' keys that no fit has."""
 
     def waiting(self) -> list[Fit]:
-        """Return the accepted fits and parts that are in line, oldest first."""
+        """Return the accepted fits and parts that wait for a worker, oldest first."""
 
     def count_waiting(self) -> int:
-        """Return how many fits are accepted and in line, some part of them or as a whole."""
+        """Return how many fits wait for a worker, themselves or with a part."""
 
     def recover(self) -> int:
-        """Move every running fit back to accepted, when nobody else can be running any; return how many."""
+        """Set every running fit back to accepted and return how many. Only for a store that no other process uses."""
 
     def report(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> bool:
-        """Keep the degrees tried so far, if this attempt still holds the fit."""
+        """Store the degrees tried so far, if this attempt still holds the fit; return whether it does."""
 
     def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees that were reported."""
@@ -86,23 +89,23 @@ class FitStore(Protocol):
 
 
 class BlobStore(Protocol):
-    """Bytes under the name of their SHA-256, durable. Picklable: workers read from it."""
+    """Stores bytes durably, each under its SHA-256. It can be pickled: workers read from it."""
 
-    def put(self, content: bytes) -> str:
-        """Store and return the key; when this returns they survive a crash."""
+    def put(self, content: bytes, key: str | None = None) -> str:
+        """Store bytes, so that they survive a crash, and return the key; `key` is their SHA-256, if it is known."""
 
     def get(self, key: str, start: int | None = None, end: int | None = None) -> bytes:
-        """Return the bytes, or some of them."""
+        """Return the bytes under a key, or those from `start` to before `end`."""
 
     def delete(self, key: str) -> None:
-        """Remove them, if they are there."""
+        """Remove the bytes under a key, if there are any."""
 
     def keys(self) -> list[str]:
-        """Return the key of everything that is there."""
+        """Return all keys."""
 
 
 class Workers(Protocol):
-    """Processes that run functions."""
+    """A pool of processes that run functions."""
 
     async def run(
         self,
@@ -111,34 +114,34 @@ class Workers(Protocol):
         deadline: float | None = None,
         progress: Callable[[Any], None] | None = None,
     ) -> T:
-        """Run a module-level function in a process and return what it returns; cancelling kills the process.
+        """Run a module-level function in a process and return its result; cancelling kills the process.
 
         Raises
         ------
         DeadlineExceededError, WorkerCrashedError, OutOfMemoryError
-            If it took longer than `deadline` seconds, the process died, or it needed more memory than it may take.
+            If it took longer than `deadline` seconds, the process died, or it needed more memory than allowed.
 
         """
 
 
 class FitQueue(Protocol):
-    """Runs accepted fits, or sees that others do."""
+    """Runs accepted fits, or lets other processes run them."""
 
     @property
     def stopping(self) -> bool:
-        """Return whether the server is about to stop, and nothing new is to be accepted."""
+        """Return whether the server is about to stop; nothing new is to be accepted then."""
 
     async def drain(self, seconds: float) -> None:
-        """Start nothing more, give what runs so much time to end, then let everybody who waits for a fit go."""
+        """Start no more fits, give those that run so much time to end, then end every `wait`."""
 
-    def hurry(self) -> None:
+    def end_drain(self) -> None:
         """End a drain at once."""
 
     def submit(self, fit: Fit) -> None:
-        """See that the fit, or the part of one, is run."""
+        """Queue a fit, or a part of one."""
 
     def cancel(self, fit_id: str) -> None:
-        """Kill the workers that run the fit and its parts, or take them out of the line."""
+        """Kill the workers that run the fit and its parts, or remove them from the queue."""
 
     async def wait(self, fit_id: str, seconds: float) -> None:
         """Return when the fit has ended, the time is up, or the server is about to stop."""
@@ -148,34 +151,35 @@ class FitQueue(Protocol):
 
 
 class Reader(Protocol):
-    """Turns a body into a checked point set."""
+    """Reads point sets from the bodies of requests."""
 
     async def read(self, body: bytes | Path, kind: str) -> PointSet:
-        """Read and check.
+        """Read a body, or the file that holds it, in the format `kind`, and check it.
 
         Raises
         ------
         InvalidInputError
-            If it cannot be fitted.
+            If it cannot be read or fitted.
 
         """
 
-    def check(self, dimension: int, options: dict[str, Any]) -> None:
-        """Refuse options that cannot be meant, alone or together.
+
+class Planner(Protocol):
+    """Predicts the time and memory of fits."""
+
+    def plan(self, points: PointSet, options: ipcore.FitOptions) -> ipcore.Plan:
+        """Return what a fit of these points with these options will take.
 
         Raises
         ------
         InvalidInputError
-            If there are any; `at` names one.
+            If the options are not allowed for points of this dimension; `at` names one.
 
         """
-
-    def sums(self, options: dict[str, Any]) -> bool:
-        """Return whether a fit with these options, which were checked, can be made of sums over its points."""
 
 
 class MeshExporter(Protocol):
-    """Draws zero sets."""
+    """Makes files of zero sets."""
 
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""

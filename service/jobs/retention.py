@@ -1,4 +1,4 @@
-"""How long fits that have ended are kept."""
+"""Removing fits that ended long ago, and point sets that belong to no fit."""
 
 import asyncio
 import logging
@@ -9,27 +9,27 @@ from service.jobs.ports import BlobStore, FitStore
 
 logger = logging.getLogger(__name__)
 
-# Seconds between two looks …
-PAUSE = 60.0
-# … and between two looks for point sets without a fit, for which all of them are listed.
-CLEARING = 3600.0
+# Seconds between two removals of old fits.
+SWEEP_SECONDS = 60.0
+# Seconds between two removals of point sets without a fit, for which all point sets have to be listed.
+ORPHAN_SECONDS = 3600.0
 
 
 @dataclass
 class Retention:
-    """Removes old fits, and the oldest when there are too many.
+    """Removes ended fits that are too old, and the oldest when all of them together are too large.
 
     Attributes
     ----------
     store, blobs
-        Where they are.
+        The fits, and their point sets.
     age
         Seconds that a fit is kept after its end.
     size
-        Bytes that the inputs and results of ended fits may take together.
-    alone
-        Whether the store is the only one that keeps its point sets in this place. Elsewhere, those without a fit may be
-        another's.
+        Bytes that the point sets and results of ended fits may take together.
+    exclusive
+        Whether no other store keeps point sets in the same place. If one does, a point set without a fit in this store
+        may belong to a fit in the other one, and is left there.
 
     """
 
@@ -37,29 +37,30 @@ class Retention:
     blobs: BlobStore
     age: float
     size: int
-    alone: bool = False
-    _cleared: float = field(default=float("-inf"), init=False)
+    exclusive: bool = False
+    _orphans_removed: float = field(default=float("-inf"), init=False)
 
     def sweep(self) -> int:
-        """Remove what need not be kept any longer; return how many."""
+        """Remove the fits that need not be kept any longer; return how many."""
         removed = sum(self.store.remove(one, self.blobs.delete) for one in self.store.outdated(self.age, self.size))
-        if self.alone and time.monotonic() > self._cleared + CLEARING:
-            self._clear()
+        if self.exclusive and time.monotonic() > self._orphans_removed + ORPHAN_SECONDS:
+            self._remove_orphans()
         return removed
 
-    def _clear(self) -> None:
-        """Remove point sets that no fit has: a crash between the two left them."""
-        left = sum(self.store.discard(key, self.blobs.delete) for key in self.store.unused(self.blobs.keys()))
-        self._cleared = time.monotonic()
-        if left:
-            logger.warning("%d point sets that no fit had were removed", left)
+    def _remove_orphans(self) -> None:
+        """Remove point sets that belong to no fit: a crash between storing the two leaves them."""
+        unused = self.store.unused(self.blobs.keys())
+        removed = sum(self.store.discard(key, self.blobs.delete) for key in unused)
+        self._orphans_removed = time.monotonic()
+        if removed:
+            logger.warning("%d point sets without a fit were removed", removed)
 
     async def keep_sweeping(self) -> None:
-        """Sweep now and then, until cancelled."""
+        """Sweep again and again, until cancelled."""
         while True:
             try:
                 if removed := await asyncio.to_thread(self.sweep):
                     logger.info("%d old fits were removed", removed)
             except Exception:
-                logger.exception("old fits could not be removed; the next try is in %g s", PAUSE)
-            await asyncio.sleep(PAUSE)
+                logger.exception("old fits could not be removed; the next try is in %g s", SWEEP_SECONDS)
+            await asyncio.sleep(SWEEP_SECONDS)

@@ -1,16 +1,18 @@
-"""Which of its points a part of a fit is about."""
+"""A slice of a point set, and the frame in which its moments are summed."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Frame:
-    """The normalised frame of a point set. Moments add only in the same frame, to the last bit: it is worked out once.
+    """The normalised frame of a point set, as plain numbers.
+
+    It is worked out once for the whole set: moments of two slices add only if their frames are equal to the last bit.
 
     Attributes
     ----------
     centre, scale
-        The centroid (d,), and the mean distance to it, in raw units.
+        The centroid (d,), and the mean distance of the points from it, in raw units.
 
     """
 
@@ -20,7 +22,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Slice:
-    """Some points of a set, from row `first` to before row `last`, and the frame of the set."""
+    """The points of a set from row `first` to before row `last`, and the frame of the set."""
 
     first: int
     last: int

@@ -1,17 +1,12 @@
-"""The use cases: read, accept, look up, wait, draw, dismiss."""
+"""The use cases: read a point set, accept a fit, look it up, wait for it, export its zero set, dismiss it."""
 
 import asyncio
-import hashlib
 from collections.abc import Callable
 from contextlib import suppress
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
-from uuid import uuid4
 
-import orjson
-
-from service.jobs.cost import predicted_seconds
+import ipcore
 from service.jobs.errors import (
     FitNotFinishedError,
     FitNotFoundError,
@@ -20,18 +15,20 @@ from service.jobs.errors import (
     NotReadyError,
     ShuttingDownError,
 )
-from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
-from service.jobs.media_types import MeshRequest
+from service.jobs.fit import Fit, PointSet
+from service.jobs.mesh_request import MeshRequest
+from service.jobs.new_fit import new_fit
 from service.jobs.parts import split
-from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Reader
+from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
+from service.jobs.requested_options import RequestedOptions
 
 T = TypeVar("T")
 
 
 class FitService:
-    """What a caller can have done with fits. Blocking stores are called in threads, so the event loop never waits."""
+    """The use cases of fits. The stores block, so they are called in threads, and the event loop never waits."""
 
-    def __init__(  # noqa: PLR0913 - five parts, one fact
+    def __init__(  # noqa: PLR0913 - six ports, one setting
         self,
         store: FitStore,
         blobs: BlobStore,
@@ -39,42 +36,60 @@ class FitService:
         reader: Reader,
         exporter: MeshExporter,
         *,
+        planner: Planner,
         split_points: int,
     ) -> None:
-        """Work with these parts; split fits of more points than that, if sums over them will do."""
+        """Use these ports; split fits of more than `split_points` points that can be made from moments."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._exporter, self._split_points = reader, exporter, split_points
+        self._reader, self._exporter, self._planner, self._split_points = reader, exporter, planner, split_points
 
     async def read(self, body: bytes | Path, kind: str) -> PointSet:
-        """Read and check a body; nothing is accepted yet."""
+        """Read and check the body of a request, in the format `kind`; nothing is accepted yet."""
         return await self._reader.read(body, kind)
 
-    async def accept(self, points: PointSet, options: dict[str, Any], client: str = "", key: str | None = None) -> Fit:
-        """Store a fit and see that it is run. When this returns, it survives a crash.
-
-        Parameters
-        ----------
-        points, options
-            What to fit, and how.
-        client
-            Who sent it.
-        key
-            Idempotency key: of two calls with one key, the second returns the fit of the first.
+    def plan(self, points: PointSet, requested: RequestedOptions) -> ipcore.Plan:
+        """Return what a fit will take; nothing is accepted yet.
 
         Raises
         ------
         InvalidInputError
-            If the options cannot be meant.
+            If the options are not allowed for points of this dimension.
+
+        """
+        return self._planner.plan(points, requested.complete)
+
+    async def accept(
+        self,
+        points: PointSet,
+        requested: RequestedOptions,
+        plan: ipcore.Plan,
+        client: str = "",
+        key: str | None = None,
+    ) -> Fit:
+        """Store a fit and queue it. When this returns, it survives a crash.
+
+        Parameters
+        ----------
+        points, requested
+            The point set and the options.
+        plan
+            What `plan` returned for them.
+        client
+            The address that sent it.
+        key
+            Idempotency key: a second call with the same key returns the fit of the first.
+
+        Raises
+        ------
         NotReadyError, ShuttingDownError, QueueFullError
             If it cannot be stored, the server is about to stop, or too many fits wait.
         KeyReusedError
-            If the key came with another point set or other options.
+            If an earlier call with this key had another point set or other options.
 
         """
-        self._reader.check(points.dimension, options)
         self._refuse_when_stopping()
-        new, parts = _new_fit(points, options, client, key), list[Fit]()
-        if points.frame is not None and points.points > self._split_points and self._reader.sums(options):
+        new, parts = new_fit(points, requested, plan, client, key), list[Fit]()
+        if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
         fit = await self._add(new, points.content, parts)
         if fit.id == new.id:
@@ -83,9 +98,9 @@ class FitService:
         return fit
 
     async def _add(self, new: Fit, content: bytes, parts: list[Fit]) -> Fit:
-        """Store a fit with its input; if it cannot be stored, leave no input that takes the last room on the disk."""
+        """Store a fit with its input; if that fails, remove the input, which may take the last room on the disk."""
         try:
-            return await _asked(self._store.add, new, lambda: self._blobs.put(content), parts)
+            return await _call_store(self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts)
         except NotReadyError:
             with suppress(Exception):
                 await asyncio.to_thread(self._store.discard, new.input.key, self._blobs.delete)
@@ -112,13 +127,13 @@ class FitService:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    async def draw(self, fit_id: str, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a successful fit.
+    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a successful fit.
 
         Raises
         ------
         FitNotFinishedError, FitWithoutResultError
-            If there is nothing to draw, yet or for good.
+            If it has no result yet, or will never have one.
 
         """
         fit = await self._get(fit_id)
@@ -127,14 +142,14 @@ class FitService:
         if fit.result is None:
             raise FitWithoutResultError(f"fit {fit_id} is {fit.status} and has no zero set")
         try:
-            points = await _asked(self._blobs.get, fit.input.key)
+            points = await _call_store(self._blobs.get, fit.input.key)
         except NotReadyError:
-            await self._get(fit_id)  # which says so, if the fit was removed in this very moment
+            await self._get(fit_id)  # raises FitNotFoundError if the fit was removed in this moment
             raise
-        return await self._exporter.draw(fit.result, points, fit.input.dimension, drawing)
+        return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
 
     async def check(self) -> None:
-        """Return if fits can be stored and run.
+        """Return if fits can be looked up and new ones are accepted; else raise.
 
         Raises
         ------
@@ -143,57 +158,41 @@ class FitService:
 
         """
         self._refuse_when_stopping()
-        await _asked(self._store.count_waiting)
+        await _call_store(self._store.count_waiting)
 
     async def dismiss(self, fit_id: str) -> Fit | None:
-        """Dismiss a live fit, killing its worker, and return it; or remove one that has ended, and return None."""
+        """Dismiss a live fit, kill its worker and return it; or remove a fit that has ended and return None."""
         await self._get(fit_id)
-        if await _asked(self._store.dismiss, fit_id):
+        if await _call_store(self._store.dismiss, fit_id):
             self._queue.cancel(fit_id)
             return await self._get(fit_id)
-        await _asked(self._store.remove, fit_id, self._blobs.delete)
+        await _call_store(self._store.remove, fit_id, self._blobs.delete)
         return None
 
     async def drain(self, seconds: float) -> None:
-        """Accept nothing more, let what runs end in so much time, and answer those who wait with what is known then."""
+        """Accept and start no more fits, give those that run so much time to end, then end every wait for a fit."""
         await self._queue.drain(seconds)
 
-    def hurry(self) -> None:
+    def end_drain(self) -> None:
         """End a drain at once."""
-        self._queue.hurry()
+        self._queue.end_drain()
 
     def _refuse_when_stopping(self) -> None:
         if self._queue.stopping:
             raise ShuttingDownError("the server is stopping; try again when it is back")
 
     async def _get(self, fit_id: str) -> Fit:
-        fit = await _asked(self._store.get, fit_id)
-        if fit is None or fit.whole is not None:  # a part is nobody's business
+        fit = await _call_store(self._store.get, fit_id)
+        if fit is None or fit.whole is not None:  # parts are internal
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit
 
 
-async def _asked(call: Callable[..., T], *arguments: object) -> T:
-    """Call the store in a thread. Whatever goes wrong there, a full disk or a database that is away, may pass."""
+async def _call_store(call: Callable[..., T], *arguments: object) -> T:
+    """Call the store in a thread. An error there, such as a full disk or a lost database, is one that may pass."""
     try:
         return await asyncio.to_thread(call, *arguments)
     except JobError:
         raise
     except Exception as error:
         raise NotReadyError(f"fits cannot be stored or looked up at the moment: {type(error).__name__}") from error
-
-
-def _new_fit(points: PointSet, options: dict[str, Any], client: str, key: str | None) -> Fit:
-    blob = hashlib.sha256(points.content).hexdigest()
-    asked = orjson.dumps([blob, points.dimension, options], option=orjson.OPT_SORT_KEYS)
-    return Fit(
-        id=uuid4().hex,
-        status=FitStatus.ACCEPTED,
-        input=PointSetRef(blob, points.dimension, points.points, len(points.content)),
-        options=options,
-        created=datetime.now(UTC),
-        client=client,
-        cost=predicted_seconds(points.dimension, points.points, options),
-        key=key,
-        payload=hashlib.sha256(asked).hexdigest(),
-    )

@@ -1,1 +1,1 @@
-"""Who runs an accepted fit."""
+"""The queues of accepted fits, and what runs them: embedded in one server, or in PostgreSQL for a cluster."""

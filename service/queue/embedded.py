@@ -1,4 +1,4 @@
-"""The embedded queue: fits of one server, run by its own pool."""
+"""The embedded queue: the fits of one server, run by its own worker pool."""
 
 import asyncio
 import logging
@@ -14,42 +14,42 @@ logger = logging.getLogger(__name__)
 
 
 class EmbeddedQueue:
-    """Runs fits in so many seats, some of them for short fits only."""
+    """Runs a fixed number of fits at once; some of its seats take short fits only."""
 
     def __init__(self, store: FitStore, runner: Runner, *, seats: int, short_seats: int) -> None:
         """Run at most `seats` fits of any length at once, and `short_seats` more that are short."""
         self._store, self._runner = store, runner
-        self._lanes = [False] * seats + [True] * short_seats
-        self._line = FairQueue()
-        self._live: dict[str, Fit] = {}
+        self._short_only = [False] * seats + [True] * short_seats
+        self._queue = FairQueue()
+        self._live: dict[str, Fit] = {}  # fits and parts that were submitted and have not ended
         self._running: dict[str, asyncio.Task[None]] = {}
-        self._ended: dict[str, asyncio.Event] = {}
-        self._split: set[str] = set()  # fits that are not in line themselves yet, but their parts
+        self._ended: dict[str, asyncio.Event] = {}  # set when a fit has ended, with its parts
+        self._split: set[str] = set()  # fits whose parts are still to be summed; they are not in the queue themselves
         self._tries: dict[str, int] = {}
         self._seats: list[asyncio.Task[None]] = []
-        self._late: asyncio.Task[None] | None = None
-        self._news = asyncio.Event()
+        self._late_start: asyncio.Task[None] | None = None
+        self._changed = asyncio.Event()
         self._draining = False
-        self._begun, self._hurried, self._stopped = asyncio.Event(), asyncio.Event(), asyncio.Event()
+        self._started, self._drain_ended, self._stopped = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
     @property
     def stopping(self) -> bool:
-        """Return whether the server is about to stop, and nothing new is to be accepted."""
+        """Return whether the server is about to stop; nothing new is to be accepted then."""
         return self._draining
 
     def submit(self, fit: Fit) -> None:
-        """Put an accepted fit, or a part of one, in line, once."""
+        """Add an accepted fit, or a part of one, to the queue; do nothing if it was submitted before."""
         if fit.id in self._live:
             return
         if fit.whole is not None:
             self._split.add(fit.whole)
         self._live[fit.id] = fit
-        self._ended.setdefault(fit.whole or fit.id, asyncio.Event())  # of a fit in parts, from the first part on
-        self._line.join(fit)
-        self._news.set()
+        self._ended.setdefault(fit.whole or fit.id, asyncio.Event())  # for a fit in parts, with its first part
+        self._queue.add(fit)
+        self._changed.set()
 
     def cancel(self, fit_id: str) -> None:
-        """Kill the workers that run the fit and its parts, or take them out of the line."""
+        """Kill the workers that run the fit and its parts, or remove them from the queue."""
         for one in [fit_id, *(part.id for part in self._live.values() if part.whole == fit_id)]:
             self._cancel(one)
         if fit_id in self._split:
@@ -59,19 +59,19 @@ class EmbeddedQueue:
         if fit_id in self._running:
             self._running[fit_id].cancel()
         elif fit_id in self._live:
-            self._line.leave(self._live[fit_id])
+            self._queue.remove(self._live[fit_id])
             self._forget(fit_id)
 
     async def wait(self, fit_id: str, seconds: float) -> None:
         """Return when the fit has ended, the time is up, or the server is about to stop."""
         with suppress(TimeoutError):
             async with asyncio.timeout(seconds):
-                await self._happens(self._begun)
+                await self._set_or_stopped(self._started)
                 if (ended := self._ended.get(fit_id)) is not None:
-                    await self._happens(ended)
+                    await self._set_or_stopped(ended)
 
-    async def _happens(self, event: asyncio.Event) -> None:
-        """Return when this has happened, or the server is about to stop."""
+    async def _set_or_stopped(self, event: asyncio.Event) -> None:
+        """Return when the event is set, or the server is about to stop."""
         waits = [asyncio.create_task(one.wait()) for one in (event, self._stopped)]
         try:
             await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
@@ -84,12 +84,12 @@ class EmbeddedQueue:
         return self._runner.progress(fit_id)
 
     async def resume(self) -> None:
-        """Start, with everything that was accepted or running when the server last stopped.
+        """Start with all fits that were accepted or running when the server last stopped.
 
-        If the store fails, the disk being full, the server answers meanwhile, and this goes on when it can.
+        If the store fails, for example because the disk is full, the server answers requests, and this is tried again.
         """
         if not await self._resumed():
-            self._late = asyncio.create_task(self._resume_later())
+            self._late_start = asyncio.create_task(self._resume_later())
 
     async def _resume_later(self) -> None:
         tries = 0
@@ -98,6 +98,7 @@ class EmbeddedQueue:
             await asyncio.sleep(pause(tries))
 
     async def _resumed(self) -> bool:
+        """Submit the stored fits and start the seats; return False if the store fails."""
         try:
             recovered = await asyncio.to_thread(self._store.recover)
             waiting = await asyncio.to_thread(self._store.waiting)
@@ -108,60 +109,60 @@ class EmbeddedQueue:
             logger.info("resuming %d fits, %d of them interrupted", len(waiting), recovered)
         for fit in waiting:
             self.submit(fit)
-        self._seats = [asyncio.create_task(self._seat(short=short)) for short in self._lanes]
-        self._begun.set()
+        self._seats = [asyncio.create_task(self._run_seat(short=short)) for short in self._short_only]
+        self._started.set()
         return True
 
     async def drain(self, seconds: float) -> None:
-        """Start nothing more, give what runs so much time to end, then let everybody who waits for a fit go."""
+        """Start no more fits, give those that run so much time to end, then end every `wait`."""
         self._draining = True
-        self._news.set()
+        self._changed.set()
         if self._running:
-            hurried = asyncio.create_task(self._hurried.wait())
+            end = asyncio.create_task(self._drain_ended.wait())
             running = asyncio.gather(*self._running.values(), return_exceptions=True)
-            await asyncio.wait((running, hurried), timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
-            hurried.cancel()
+            await asyncio.wait((running, end), timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
+            end.cancel()
         self._stopped.set()
 
-    def hurry(self) -> None:
+    def end_drain(self) -> None:
         """End a drain at once."""
-        self._hurried.set()
+        self._drain_ended.set()
 
     async def close(self) -> None:
-        """Kill what runs; it stays accepted in the store, for the next start."""
-        tasks = [*self._seats, *self._running.values(), *([self._late] if self._late else [])]
+        """Kill the workers of running fits, which stay accepted in the store until the next start."""
+        tasks = [*self._seats, *self._running.values(), *([self._late_start] if self._late_start else [])]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _seat(self, *, short: bool) -> None:
-        """Run one fit after the other."""
+    async def _run_seat(self, *, short: bool) -> None:
+        """Run one fit after another."""
         while (fit_id := await self._next(short=short)) is not None:
             run = asyncio.create_task(self._runner.run(fit_id), name=f"fit {fit_id}")
             self._running[fit_id] = run
             try:
-                await asyncio.wait((run,))  # not `await run`: that a fit is cancelled is no reason to leave the seat
+                await asyncio.wait((run,))  # not `await run`: a fit that is cancelled must not end the seat
             finally:
                 del self._running[fit_id]
-            if run.cancelled() or (run.exception() is None and await self._over(fit_id)):
+            if run.cancelled() or (run.exception() is None and await self._has_ended(fit_id)):
                 self._forget(fit_id)
             else:
-                self._put_back(fit_id, run.exception())
+                self._requeue_later(fit_id, run.exception())
 
-    async def _over(self, fit_id: str) -> bool:
-        """Return whether a fit has ended: one that was given up for any other reason must not be forgotten."""
+    async def _has_ended(self, fit_id: str) -> bool:
+        """Return whether a fit has ended in the store. If not, or if the store fails, it has to run again."""
         part = self._live.get(fit_id)
         with suppress(Exception):
             fit = await asyncio.to_thread(self._store.get, fit_id)
             if fit is not None and not fit.status.final:
                 return False
             if part is not None and part.whole is not None:
-                await self._go_on(part.whole)
+                await self._continue_whole(part.whole)
             return True
         return False
 
-    async def _go_on(self, whole: str) -> None:
-        """After the end of a part, put its fit in line if it was the last one, or end the others if the fit failed."""
+    async def _continue_whole(self, whole: str) -> None:
+        """After the end of a part, submit its fit if that was the last part, or cancel the others if the fit failed."""
         fit = await asyncio.to_thread(self._store.get, whole)
         if fit is None or fit.status.final:
             self.cancel(whole)
@@ -169,25 +170,25 @@ class EmbeddedQueue:
             self._split.discard(whole)
             self.submit(fit)
 
-    def _put_back(self, fit_id: str, error: BaseException | None) -> None:
-        """Put a fit in line again, after a while: what went wrong may take its time to pass."""
+    def _requeue_later(self, fit_id: str, error: BaseException | None) -> None:
+        """Add a fit to the queue again after some seconds, in which the cause of its failure may pass."""
         self._tries[fit_id] = self._tries.get(fit_id, 0) + 1
         seconds = pause(self._tries[fit_id])
-        logger.warning("fit %s is put back in line in %g s", fit_id, seconds, exc_info=error)
-        asyncio.get_running_loop().call_later(seconds, self._rejoin, fit_id)
+        logger.warning("fit %s is queued again in %g s", fit_id, seconds, exc_info=error)
+        asyncio.get_running_loop().call_later(seconds, self._requeue, fit_id)
 
-    def _rejoin(self, fit_id: str) -> None:
+    def _requeue(self, fit_id: str) -> None:
         if fit_id in self._live:  # else it was dismissed meanwhile
-            self._line.join(self._live[fit_id])
-            self._news.set()
+            self._queue.add(self._live[fit_id])
+            self._changed.set()
 
     async def _next(self, *, short: bool) -> str | None:
         """Return the next fit, when there is one; None when the server is about to stop."""
         while not self._draining:
-            if (found := self._line.take(short=short)) is not None:
+            if (found := self._queue.take(short=short)) is not None:
                 return found
-            self._news.clear()
-            await self._news.wait()
+            self._changed.clear()
+            await self._changed.wait()
         return None
 
     def _forget(self, fit_id: str) -> None:

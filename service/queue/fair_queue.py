@@ -1,4 +1,4 @@
-"""Who is next: fair between clients, with a lane in which short fits overtake long ones."""
+"""The order in which fits run: fair between clients, with a lane in which short fits overtake long ones."""
 
 from dataclasses import dataclass, field
 
@@ -7,14 +7,14 @@ from service.jobs.fit import Fit
 
 @dataclass
 class _Client:
-    """What one client waits for, and what it has had.
+    """The fits of one client that wait, and the time that its earlier ones got.
 
     Attributes
     ----------
     used
         Predicted seconds of its fits that were taken; the client that has used least is next.
     fits
-        Its waiting fits, oldest first.
+        Its waiting fits by id, oldest first.
 
     """
 
@@ -22,41 +22,44 @@ class _Client:
     fits: dict[str, Fit] = field(default_factory=dict)
 
     def first(self, *, short: bool) -> str | None:
-        """Return the oldest fit, or the oldest short one."""
+        """Return the id of the oldest fit, or of the oldest short one."""
         return next((name for name, fit in self.fits.items() if fit.short or not short), None)
 
 
 class FairQueue:
-    """Fits that wait. Every client gets the same predicted time, as in fair queueing (Demers, Keshav, Shenker 1989)."""
+    """Waiting fits. Each client gets the same predicted time, as in fair queueing (Demers, Keshav, Shenker 1989)."""
 
     def __init__(self) -> None:
-        """Start with nobody in line."""
+        """Start empty."""
         self._clients: dict[str, _Client] = {}
-        # What a client would have used that had waited all the time: one that comes anew starts here and not at 0.
-        # It grows with every fit that is taken, so that no stream of new clients keeps the others waiting for good.
+        # The virtual time: what a client would have used that had been waiting all the time. A new client starts here
+        # and not at 0. It grows with every fit that is taken, so that no stream of new clients delays the others for
+        # ever.
         self._now = 0.0
 
-    def join(self, fit: Fit) -> None:
-        """Put a fit at the end of its client's line."""
+    def add(self, fit: Fit) -> None:
+        """Add a fit as the last of its client."""
         client = self._clients.setdefault(fit.client, _Client(self._now))
         client.fits[fit.id] = fit
 
-    def leave(self, fit: Fit) -> None:
-        """Take a fit out, if it is in line."""
+    def remove(self, fit: Fit) -> None:
+        """Remove a fit, if it is there."""
         client = self._clients.get(fit.client)
         if client is not None:
             client.fits.pop(fit.id, None)
             self._forget_idle()
 
     def take(self, *, short: bool = False) -> str | None:
-        """Return the fit that is next, or the short fit that is, and take it out; None if there is none.
+        """Remove the next fit, or the next short fit, and return its id; None if there is none.
 
         >>> from datetime import UTC, datetime
         >>> from service.jobs.fit import FitStatus, PointSetRef
-        >>> line, now = FairQueue(), datetime.now(UTC)
+        >>> from service.jobs.requested_options import RequestedOptions
+        >>> queue, now = FairQueue(), datetime.now(UTC)
+        >>> given, options = PointSetRef("", 3, 9), RequestedOptions({})
         >>> for name, client, cost in [("a1", "a", 60.0), ("a2", "a", 1.0), ("b1", "b", 60.0)]:
-        ...     line.join(Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), {}, now, client, cost))
-        >>> line.take(), line.take(short=True), line.take(), line.take()
+        ...     queue.add(Fit(name, FitStatus.ACCEPTED, given, options, now, client, cost))
+        >>> queue.take(), queue.take(short=True), queue.take(), queue.take()
         ('a1', 'a2', 'b1', None)
         """
         every = self._clients.values()
@@ -70,7 +73,7 @@ class FairQueue:
         return found
 
     def _forget_idle(self) -> None:
-        """Forget clients that wait for nothing and owe nothing to the others."""
+        """Forget clients without waiting fits that have used no more than a new client would start with."""
         idle = [name for name, client in self._clients.items() if not client.fits and client.used <= self._now]
         for name in idle:
             del self._clients[name]

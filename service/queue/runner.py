@@ -1,4 +1,4 @@
-"""One fit at a time, from its lease to its end, whatever happens on the way."""
+"""Running one fit: from taking its lease to storing its result, through crashes and failures of the store."""
 
 import asyncio
 import logging
@@ -8,25 +8,26 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from service.jobs.errors import DeadlineExceededError, NotReadyError, OutOfMemoryError, WorkerCrashedError
-from service.jobs.fit import MAX_CRASHES, Failure, Fit, FitStatus, Holder
+from service.jobs.fit import MAX_CRASHES, Failure, Fit, FitStatus
+from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitStore, Workers
 
 logger = logging.getLogger(__name__)
 
 # Seconds between tries when the store fails: an hour in all.
-PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
-# A fit whose points cannot be read is put back in line so often, each time for longer: for an hour in all, too.
+STORE_PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
+# How often a fit is queued again whose points cannot be read, after longer and longer pauses: an hour in all, too.
 MAX_AWAY = 91
-# Seconds that giving a fit back may take when this process is about to end; the lease gives it back anyway.
-PARTING = 2.0
-# Seconds between two looks of the keeper of a lease, which also passes progress on.
-TICK = 0.5
+# Seconds that releasing a fit may take when this process is about to end; its lease runs out in any case.
+RELEASE_SECONDS = 2.0
+# Seconds between two rounds of the task that renews a lease and reports progress.
+LEASE_CHECK_SECONDS = 0.5
 
 T = TypeVar("T")
 
 
 def pause(tries: int) -> float:
-    """Return the seconds after which a fit that was put back is tried again.
+    """Return the seconds to wait before the next try of a fit that failed `tries` times to start.
 
     >>> pause(1), sum(pause(tries) for tries in range(1, MAX_AWAY)) / 3600.0 > 1.0
     (1.0, True)
@@ -36,39 +37,42 @@ def pause(tries: int) -> float:
 
 @dataclass(frozen=True)
 class Tasks:
-    """What workers are given to do. Each takes the blobs, the input's key, the dimension and the options.
+    """The functions that run in workers. Each takes the blobs, the fit's `PointSetRef` and its `ipcore.FitOptions`.
 
     Attributes
     ----------
     fit
-        A fit as a whole.
-    part
-        The moments of some of the points; takes their `Slice`, too.
-    rest
-        What is left of a fit whose parts have ended; takes what they resulted in.
+        Fits all points at once.
+    sum_moments
+        Sums the moments of a slice of the points; takes the `Slice`, too.
+    fit_from_moments
+        Fits when the moments of all parts are summed; takes the results of the parts, too.
 
     """
 
     fit: Callable[..., bytes]
-    part: Callable[..., bytes]
-    rest: Callable[..., bytes]
+    sum_moments: Callable[..., bytes]
+    fit_from_moments: Callable[..., bytes]
 
 
 class Runner:
-    """Runs fits that the store gives it on a lease, which it renews from here: a process inside LAPACK could not."""
+    """Runs fits in worker processes, each on a lease of the store.
 
-    def __init__(  # noqa: PLR0913 - four parts, three facts
+    The lease is renewed here, in the supervising process: a worker inside a LAPACK call could not do it.
+    """
+
+    def __init__(  # noqa: PLR0913 - four ports, three settings
         self,
         store: FitStore,
         blobs: BlobStore,
         workers: Workers,
         tasks: Tasks,
         *,
-        holder: Holder,
+        holder: LeaseHolder,
         deadline: float,
         publish: bool = False,
     ) -> None:
-        """Run each fit, or part of one, at most `deadline` seconds in a worker; `publish` progress in the store."""
+        """Give each fit or part at most `deadline` seconds in a worker; with `publish`, store its progress."""
         self._store, self._blobs, self._workers, self._tasks = store, blobs, workers, tasks
         self._holder, self._deadline, self._publish = holder, deadline, publish
         self._steps: dict[str, list[dict[str, Any]]] = {}
@@ -78,26 +82,26 @@ class Runner:
         return list(self._steps.get(fit_id, ()))
 
     async def run(self, fit_id: str) -> None:
-        """Run one fit to its end, again if its worker dies; cancelled, kill its worker and give it back.
+        """Run one fit to its end, again if its worker dies. When cancelled, kill its worker and release the fit.
 
         Raises
         ------
         NotReadyError
-            If what it needs is away. It was given back, to be run after `pause` seconds, here or elsewhere.
+            If its points cannot be read. It was released, to be run again after `pause` seconds by any process.
 
         """
-        while (attempt := await self._insist(self._store.start, fit_id, self._holder)) is not None:
+        while (attempt := await self._retried(self._store.start, fit_id, self._holder)) is not None:
             try:
                 await self._attempt(fit_id, attempt)
             except asyncio.CancelledError:
-                await asyncio.shield(self._give_back(fit_id, attempt))
+                await asyncio.shield(self._release(fit_id, attempt))
                 raise
             finally:
                 self._steps.pop(fit_id, None)
 
     async def _attempt(self, fit_id: str, attempt: int) -> None:
         """Run one attempt and store how it ended."""
-        fit = await self._insist(self._store.get, fit_id)
+        fit = await self._retried(self._store.get, fit_id)
         if fit is None:
             return
         try:
@@ -105,13 +109,13 @@ class Runner:
         except WorkerCrashedError as error:
             logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
             if fit.crashes + 1 < MAX_CRASHES:
-                await self._insist(lambda: self._store.release(fit_id, attempt, crashed=True))
+                await self._retried(lambda: self._store.release(fit_id, attempt, crashed=True))
                 return
             failure = Failure("worker-crashed", f"The worker process died {MAX_CRASHES} times.")
         except NotReadyError as error:
             logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
             if attempt < MAX_AWAY:
-                await self._insist(self._store.release, fit_id, attempt)
+                await self._retried(self._store.release, fit_id, attempt)
                 raise
             failure = Failure("fit-error", f"Given up after {MAX_AWAY} tries: {error}")
         except (DeadlineExceededError, OutOfMemoryError) as error:
@@ -121,20 +125,21 @@ class Runner:
             failure = Failure("fit-error", f"{type(error).__name__}: {error}")
         else:
             if result is not None:
-                await self._insist(self._store.finish, fit_id, attempt, FitStatus.SUCCESSFUL, result, None)
+                await self._retried(self._store.finish, fit_id, attempt, FitStatus.SUCCESSFUL, result, None)
             return
-        await self._insist(self._store.finish, fit_id, attempt, FitStatus.FAILED, None, failure)
+        await self._retried(self._store.finish, fit_id, attempt, FitStatus.FAILED, None, failure)
 
     def _limit(self, error: DeadlineExceededError | OutOfMemoryError) -> Failure:
+        """Return the failure of a fit that was over a limit."""
         if isinstance(error, DeadlineExceededError):
             return Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
         return Failure("out-of-memory", str(error))
 
     async def _while_held(self, fit: Fit, attempt: int) -> bytes | None:
-        """Return the answer; or None, with the worker killed, as soon as this attempt holds the fit no more."""
+        """Return the result; or kill the worker and return None as soon as this attempt does not hold the fit."""
         steps = self._steps.setdefault(fit.id, [])
         work = asyncio.create_task(self._in_worker(fit, steps))
-        keeper = asyncio.create_task(self._keep(fit.id, attempt, steps))
+        keeper = asyncio.create_task(self._keep_lease(fit.id, attempt, steps))
         try:
             await asyncio.wait((work, keeper), return_when=asyncio.FIRST_COMPLETED)
             return work.result() if work.done() else None
@@ -143,20 +148,20 @@ class Runner:
                 task.cancel()
             await asyncio.gather(keeper, work, return_exceptions=True)
 
-    async def _keep(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> None:
-        """Renew the lease at each third of it, and pass progress on; return when the lease is lost.
+    async def _keep_lease(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> None:
+        """Renew the lease after each third of it, and report progress; return when the lease is lost.
 
-        While the store fails the fit goes on: if the lease runs out meanwhile, and another takes the fit over, what is
-        worked out here does not count.
+        While the store fails, the fit goes on. If the lease runs out meanwhile and another process takes the fit, the
+        store will not accept the result of this attempt.
         """
         clock = asyncio.get_running_loop().time
-        renewal, told = clock() + self._holder.lease / 3.0, 0
+        renewal, reported = clock() + self._holder.lease / 3.0, 0
         while True:
-            await asyncio.sleep(TICK)
+            await asyncio.sleep(LEASE_CHECK_SECONDS)
             held = True
             with suppress(Exception):
-                if self._publish and len(steps) > told:
-                    told = len(steps)
+                if self._publish and len(steps) > reported:
+                    reported = len(steps)
                     held = await asyncio.to_thread(self._store.report, fit_id, attempt, list(steps))
                 if held and clock() >= renewal:
                     held = await asyncio.to_thread(self._store.renew, fit_id, attempt, self._holder.lease)
@@ -165,25 +170,26 @@ class Runner:
                 return
 
     async def _in_worker(self, fit: Fit, steps: list[dict[str, Any]]) -> bytes:
-        asked: list[Any] = [self._blobs, fit.input.key, fit.input.dimension, fit.options]
+        """Run the task of a fit, or of a part, in a worker; append the degrees that it reports to `steps`."""
+        arguments: list[Any] = [self._blobs, fit.input, fit.requested.complete]
         task = self._tasks.fit
         if fit.slice is not None:
-            task = self._tasks.part
-            asked.append(fit.slice)
+            task = self._tasks.sum_moments
+            arguments.append(fit.slice)
         elif fit.parts:
-            task = self._tasks.rest
-            asked.append(await self._insist(self._store.sums, fit.id))
-        result: bytes = await self._workers.run(task, *asked, deadline=self._deadline, progress=steps.append)
+            task = self._tasks.fit_from_moments
+            arguments.append(await self._retried(self._store.sums, fit.id))
+        result: bytes = await self._workers.run(task, *arguments, deadline=self._deadline, progress=steps.append)
         return result
 
-    async def _give_back(self, fit_id: str, attempt: int) -> None:
-        """Release a fit, with one try: the process is about to end, and the lease will be."""
+    async def _release(self, fit_id: str, attempt: int) -> None:
+        """Release a fit, with a single try: this process is about to end, and the lease runs out in any case."""
         with suppress(Exception):
-            await asyncio.wait_for(asyncio.to_thread(self._store.release, fit_id, attempt), PARTING)
+            await asyncio.wait_for(asyncio.to_thread(self._store.release, fit_id, attempt), RELEASE_SECONDS)
 
-    async def _insist(self, call: Callable[..., T], *arguments: object) -> T:
-        """Call the store, again and again while it fails: a full disk must not lose a fit or what was worked out."""
-        for pause in PAUSES:
+    async def _retried(self, call: Callable[..., T], *arguments: object) -> T:
+        """Call the store until it succeeds, for an hour: a full disk must not lose a fit or its result."""
+        for pause in STORE_PAUSES:
             try:
                 return await asyncio.to_thread(call, *arguments)
             except Exception:

@@ -1,1 +1,1 @@
-"""Where fits and their inputs are kept."""
+"""Storage: fits in a SQL database, point sets as blobs on a file system or an object store."""

@@ -1,4 +1,4 @@
-"""The data folder of one server: its places, and the lock that keeps it to one server at a time."""
+"""The data folder of one server: its files, and the lock that lets one server at a time use it."""
 
 import fcntl
 from collections.abc import Iterator
@@ -8,12 +8,12 @@ from pathlib import Path
 
 
 class FolderInUseError(Exception):
-    """Another server works in this folder: both would run the same fits."""
+    """Another server uses this folder: both would run the same fits."""
 
 
 @dataclass(frozen=True)
 class DataFolder:
-    """Where one server keeps everything.
+    """The folder in which one server stores everything.
 
     Attributes
     ----------
@@ -26,23 +26,23 @@ class DataFolder:
 
     @property
     def database(self) -> Path:
-        """Return the SQLite file of the fits."""
+        """Return the path of the SQLite file with the fits."""
         return self.path / "fits.sqlite"
 
     @property
     def blobs(self) -> Path:
-        """Return the folder of the point sets."""
+        """Return the path of the folder with the point sets."""
         return self.path / "blobs"
 
     @property
     def incoming(self) -> Path:
-        """Return the folder of large bodies while they are read."""
+        """Return the path of the folder with the bodies of requests that are being read."""
         return self.path / "incoming"
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[DataFolder]:
-    """Yield a data folder that is this server's alone, made if need be, and rid of a killed server's half-read bodies.
+    """Yield the data folder, made if need be and locked for this server; delete bodies that a killed server left.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def opened(path: Path) -> Iterator[DataFolder]:
     folder.incoming.mkdir(parents=True, exist_ok=True)
     with (folder.path / "lock").open("w") as lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the system lets go of it when the process ends
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the system releases it when the process ends
         except BlockingIOError as error:
             raise FolderInUseError(
                 f"another server uses {folder.path}; set IPFIT_DATA_DIR to another folder"

@@ -1,4 +1,4 @@
-"""Who may touch an input: those who add fits with it share it, and whoever removes it has it alone."""
+"""Locks on the inputs of fits: shared while a fit with the input is added, exclusive while the input is removed."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,20 +8,20 @@ from sqlalchemy import Connection, Engine, text
 
 
 class InputLocks:
-    """The inputs of the fits in a database."""
+    """The locks on the inputs of the fits in a database."""
 
     def __init__(self, engine: Engine) -> None:
         """Use this engine."""
-        self._engine, self._alone = engine, Lock()
+        self._engine, self._lock = engine, Lock()
 
     @contextmanager
-    def held(self, key: str, *, alone: bool = False) -> Iterator[Connection]:
-        """Yield a transaction in which an input is not removed; or, `alone`, in which no fit with it is added."""
-        if self._engine.dialect.name == "sqlite":  # a single process has it
-            with self._alone, self._engine.begin() as connection:
+    def locked(self, key: str, *, exclusive: bool = False) -> Iterator[Connection]:
+        """Yield a transaction in which an input is not removed; with `exclusive`, no fit with it is added either."""
+        if self._engine.dialect.name == "sqlite":  # used by a single process
+            with self._lock, self._engine.begin() as connection:
                 yield connection
             return
-        lock = "pg_advisory_xact_lock" if alone else "pg_advisory_xact_lock_shared"
+        function = "pg_advisory_xact_lock" if exclusive else "pg_advisory_xact_lock_shared"
         with self._engine.begin() as connection:
-            connection.execute(text(f"SELECT {lock}(:key)"), {"key": int(key[:15], 16)})
+            connection.execute(text(f"SELECT {function}(:key)"), {"key": int(key[:15], 16)})
             yield connection

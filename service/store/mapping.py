@@ -1,4 +1,4 @@
-"""Fits as rows, and the conditions on rows that the store uses again and again."""
+"""Fits as rows of the table, and the conditions on rows that several methods of the store use."""
 
 from typing import Any
 
@@ -6,29 +6,31 @@ import orjson
 from sqlalchemy import ColumnElement, Connection, Row, func, select, update
 
 from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef
+from service.jobs.point_set_summary import PointSetSummary
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.store.schema import fits
 
 
-def held(fit_id: str, attempt: int) -> list[ColumnElement[bool]]:
-    """Return the conditions that an attempt holds a fit."""
+def held_by(fit_id: str, attempt: int) -> list[ColumnElement[bool]]:
+    """Return the conditions under which this attempt holds the fit."""
     return [fits.c.id == fit_id, fits.c.attempt == attempt, fits.c.status == FitStatus.RUNNING]
 
 
-def in_line() -> list[ColumnElement[bool]]:
-    """Return the conditions that a fit waits for a worker, and not for its parts."""
+def queued() -> list[ColumnElement[bool]]:
+    """Return the conditions under which a fit waits for a worker, and not for its parts."""
     return [fits.c.status == FitStatus.ACCEPTED, fits.c.unsummed == 0]
 
 
-def written(connection: Connection, where: list[ColumnElement[bool]], **values: object) -> bool:
+def update_where(connection: Connection, where: list[ColumnElement[bool]], **values: object) -> bool:
     """Change the fit that meets the conditions; return whether there was one."""
     return bool(connection.execute(update(fits).where(*where).values(**values)).rowcount)
 
 
 def backlog(connection: Connection) -> tuple[int, float]:
-    """Return how many fits wait in line, with all of their parts or some, and the seconds that these will take."""
+    """Return how many fits wait for a worker, themselves or with a part, and the predicted seconds of all of them."""
     whole = func.coalesce(fits.c.whole, fits.c.id)
-    query = select(func.count(whole.distinct()), func.coalesce(func.sum(fits.c.cost), 0.0)).where(*in_line())
+    query = select(func.count(whole.distinct()), func.coalesce(func.sum(fits.c.cost), 0.0)).where(*queued())
     count, cost = connection.execute(query).one()
     return int(count), float(cost)
 
@@ -42,7 +44,7 @@ def from_fit(fit: Fit) -> dict[str, Any]:
         "dimension": fit.input.dimension,
         "points": fit.input.points,
         "size": fit.input.size,
-        "options": orjson.dumps(fit.options),
+        "options": orjson.dumps(fit.requested.given),
         "client": fit.client,
         "cost": fit.cost,
         "key": fit.key,
@@ -52,17 +54,20 @@ def from_fit(fit: Fit) -> dict[str, Any]:
         "parts": fit.parts,
         "unsummed": fit.unsummed,
         "whole": fit.whole,
-        "slice": None if fit.slice is None else orjson.dumps(fit.slice).decode(),
+        "slice": _json(fit.slice),
+        "summary": _json(fit.input.summary),
     }
 
 
 def to_fit(row: Row[Any]) -> Fit:
     """Return the fit of a row."""
+    size = row.size - len(row.result or b"")
+    summary = None if row.summary is None else _summary(orjson.loads(row.summary))
     return Fit(
         id=row.id,
         status=row.status,
-        input=PointSetRef(row.input, row.dimension, row.points, row.size - len(row.result or b"")),
-        options=orjson.loads(row.options),
+        input=PointSetRef(row.input, row.dimension, row.points, size, summary),
+        requested=RequestedOptions(orjson.loads(row.options)),
         created=row.created,
         client=row.client,
         cost=row.cost,
@@ -81,6 +86,17 @@ def to_fit(row: Row[Any]) -> Fit:
     )
 
 
-def _slice(kept: dict[str, Any]) -> Slice:
-    centre, scale = kept["frame"]["centre"], kept["frame"]["scale"]
-    return Slice(kept["first"], kept["last"], Frame(tuple(centre), scale))
+def _json(value: Slice | PointSetSummary | None) -> str | None:
+    return None if value is None else orjson.dumps(value).decode()
+
+
+def _slice(stored: dict[str, Any]) -> Slice:
+    return Slice(stored["first"], stored["last"], _frame(stored["frame"]))
+
+
+def _summary(stored: dict[str, Any]) -> PointSetSummary:
+    return PointSetSummary(stored["planar"], _frame(stored["frame"]), stored["sha256"])
+
+
+def _frame(stored: dict[str, Any]) -> Frame:
+    return Frame(tuple(stored["centre"]), stored["scale"])

@@ -1,7 +1,7 @@
-"""The version of a database's tables, written in the database itself, and the steps from each version to the next.
+"""The version of the tables, stored in the database itself, and the migrations from each version to the next.
 
-A version is the name of the last step that was made. Alembic would do the same for many tables and branches of history;
-here are two parts, one of which (the queue's tables) comes with its own steps as plain SQL.
+A version is the name of the last migration that was applied. Alembic does the same for many tables and branching
+histories; here there are two groups of tables, one of which (the queue's) comes with its own migrations as plain SQL.
 """
 
 from collections.abc import Callable, Iterable
@@ -13,30 +13,30 @@ from sqlalchemy import Column, Connection, Engine, MetaData, String, Table, insp
 _versions = Table(
     "ipfit_versions", MetaData(), Column("part", String, primary_key=True), Column("version", String, nullable=False)
 )
-# Any number, the same in every process: whoever holds this lock prepares the database.
+# The number of the lock under which a process prepares the database: any number, but the same in every process.
 _PREPARING = 4_711_001
 
 
 class DatabaseVersionError(Exception):
-    """The database was made by another version of this program, which knows what this one does not."""
+    """The tables are of a version that this program does not know."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """Tables that get their versions together.
+    """A group of tables with one version.
 
     Attributes
     ----------
     name
-        Under which their version is kept.
+        The name under which their version is stored.
     table
-        One that is there when they are.
+        The name of one of them.
     make
-        Makes them, as they are after the last step.
+        Creates them, as they are after the last migration.
     steps
-        Name and SQL of each step, the oldest first. The first is only a name, that of the tables as they once began.
+        The SQL of each migration by its name, the oldest first. The first has no SQL: its name is the first version.
     columns
-        What `table` must have in the end.
+        The columns that `table` must have in the end.
 
     """
 
@@ -48,42 +48,46 @@ class Part:
 
 
 def prepare(engine: Engine, parts: Iterable[Part]) -> None:
-    """Make the tables that are not there, and bring older ones up to date, in one transaction.
+    """Create the tables that do not exist, and migrate older ones, in one transaction.
 
     Raises
     ------
     DatabaseVersionError
-        If the database is of a later version, or nobody knows of which.
+        If the tables are of a later version, or of one that is not stored and lack columns.
 
     """
     with engine.begin() as connection:
         if engine.dialect.name == "sqlite":
-            connection.exec_driver_sql("BEGIN IMMEDIATE")  # the driver itself begins with the first INSERT only
+            connection.exec_driver_sql(
+                "BEGIN IMMEDIATE"
+            )  # the driver itself begins a transaction with the first INSERT only
         else:
             connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _PREPARING})
         _versions.create(connection, checkfirst=True)
         for part in parts:
-            _bring(connection, part)
+            _migrate(connection, part)
 
 
-def _bring(connection: Connection, part: Part) -> None:
+def _migrate(connection: Connection, part: Part) -> None:
+    """Create or migrate one group of tables."""
     query = select(_versions.c.version).where(_versions.c.part == part.name)
-    kept, newest = connection.execute(query).scalar(), list(part.steps)[-1]
-    if kept is None:  # made before versions were written down, or not made yet
+    stored, newest = connection.execute(query).scalar(), list(part.steps)[-1]
+    if stored is None:  # created before versions were stored, or not created yet
         if not inspect(connection).has_table(part.table):
             part.make(connection)
         connection.execute(_versions.insert().values(part=part.name, version=newest))
-    elif kept != newest:
-        for step in _steps_after(kept, part):
-            with closing(connection.connection.cursor()) as cursor:  # the driver's own, to which a % is just that
+    elif stored != newest:
+        for step in _steps_after(stored, part):
+            with closing(connection.connection.cursor()) as cursor:  # the driver's own, for which % has no meaning
                 cursor.execute(part.steps[step])
         connection.execute(_versions.update().where(_versions.c.part == part.name).values(version=newest))
-    there = {column["name"] for column in inspect(connection).get_columns(part.table)}
-    if missing := sorted(part.columns - there):
+    existing = {column["name"] for column in inspect(connection).get_columns(part.table)}
+    if missing := sorted(part.columns - existing):
         raise DatabaseVersionError(f"the table {part.table} has no {', '.join(missing)}: an unreleased ipfit made it")
 
 
 def _steps_after(version: str, part: Part) -> list[str]:
+    """Return the names of the migrations that come after a version."""
     names = list(part.steps)
     if version not in names:
         raise DatabaseVersionError(

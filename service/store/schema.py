@@ -1,4 +1,4 @@
-"""The table of fits, on SQLite and on PostgreSQL alike."""
+"""The table of fits, the same on SQLite and on PostgreSQL."""
 
 import sqlite3
 from datetime import UTC, datetime
@@ -26,9 +26,9 @@ from sqlalchemy.types import TypeDecorator
 from service.jobs.fit import FitStatus
 from service.store.migrations import Part, prepare
 
-# A PostgreSQL that does not answer must not hold a request for minutes: seconds to connect, milliseconds for a
-# statement, and milliseconds until unanswered packets end a connection.
-PATIENCE = {
+# A PostgreSQL that does not answer must not delay a request for minutes: seconds to connect, milliseconds until
+# unanswered packets end a connection, and milliseconds for a statement.
+TIMEOUTS = {
     "connect_timeout": 5,
     "tcp_user_timeout": 10_000,
     "keepalives_idle": 5,
@@ -38,36 +38,36 @@ OPTIONS = "-c statement_timeout=30000 -c idle_in_transaction_session_timeout=300
 
 
 class Moment(TypeDecorator[datetime]):
-    """A point in time with its zone; SQLite, which knows none, keeps it in UTC."""
+    """A point in time with its zone; SQLite, which has no zones, stores it in UTC."""
 
     impl = DateTime(timezone=True)
     cache_ok = True
 
     def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Return what the database takes."""
+        """Return the value that the database stores."""
         if value is None or dialect.name != "sqlite":
             return value
         return value.astimezone(UTC).replace(tzinfo=None)
 
-    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:  # noqa: ARG002 - theirs
-        """Return what the database gave, in UTC."""
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:  # noqa: ARG002 - the signature of SQLAlchemy
+        """Return the value that the database gave, in UTC."""
         if value is None:
             return None
         return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
 
 
 class Status(TypeDecorator[FitStatus]):
-    """Where a fit is in its life, kept as its word."""
+    """The status of a fit, stored as its word."""
 
     impl = String
     cache_ok = True
 
-    def process_bind_param(self, value: FitStatus | None, dialect: Dialect) -> str | None:  # noqa: ARG002 - theirs
-        """Return what the database takes."""
+    def process_bind_param(self, value: FitStatus | None, dialect: Dialect) -> str | None:  # noqa: ARG002 - the signature of SQLAlchemy
+        """Return the value that the database stores."""
         return None if value is None else value.value
 
-    def process_result_value(self, value: str | None, dialect: Dialect) -> FitStatus | None:  # noqa: ARG002 - theirs
-        """Return what the database gave."""
+    def process_result_value(self, value: str | None, dialect: Dialect) -> FitStatus | None:  # noqa: ARG002 - the signature of SQLAlchemy
+        """Return the status that the database gave."""
         return None if value is None else FitStatus(value)
 
 
@@ -83,32 +83,33 @@ fits = Table(
     Column("options", LargeBinary, nullable=False),
     Column("client", String, nullable=False),
     Column("cost", Float, nullable=False),
-    Column("key", String, unique=True),  # any number of fits have none
+    Column("key", String, unique=True),  # NULL for fits without one
     Column("payload", String, nullable=False),
     Column("created", Moment, nullable=False, index=True),
     Column("started", Moment),
     Column("finished", Moment, index=True),
     Column("touched", Moment, nullable=False),  # when its status last changed
     Column("holder", String),
-    Column("lease", Moment),  # until when the holder is believed without another word from it
+    Column("lease", Moment),  # when it runs out, unless the holder renews it
     Column("attempt", Integer, nullable=False, default=0),
     Column("crashes", Integer, nullable=False, default=0),
     Column("abandoned", Integer, nullable=False, default=0),
     Column("size", BigInteger, nullable=False),  # bytes of input and result
-    Column("job", BigInteger, index=True),  # of the queue in the same database, if there is one
+    Column("job", BigInteger, index=True),  # in the queue of the same database, if there is one
     Column("progress", LargeBinary),
     Column("result", LargeBinary),
     Column("failure", LargeBinary),
-    # A part of a fit is a row like any other: what holds for fits, from leases to crashes, so holds for parts. Its
-    # result is in the row, too, and not in a blob: it is some hundreds of kilobytes, it counts in the transaction that
-    # ends the attempt, and it goes in the one that ends the fit, so that nothing can be left of it, on an S3 either.
+    # A part of a fit is a row like that of a fit, so that leases, crashes and everything else work for parts, too. Its
+    # result is stored in the row and not as a blob: it has some hundreds of kilobytes, it is stored in the transaction
+    # that ends the attempt, and it is removed in the one that ends the fit, so that it can never be left over.
     Column("parts", Integer, nullable=False, default=0),
     Column("unsummed", Integer, nullable=False, default=0),
     Column("whole", String, index=True),
     Column("slice", String),
+    Column("summary", String),  # JSON of what was worked out when the input was checked
 )
-# Whoever changes the table above adds a step that changes an older one in the same way, named after the release. Each
-# is one statement: SQLite takes no more at once.
+# Whoever changes the table above adds a migration here that changes an older table in the same way, named after the
+# release. Each is one statement: SQLite takes no more at once.
 FITS = Part(
     name="fits",
     table="fits",
@@ -120,13 +121,14 @@ FITS = Part(
         "0.2.0 whole": "ALTER TABLE fits ADD COLUMN whole VARCHAR",
         "0.2.0 whole, found": "CREATE INDEX ix_fits_whole ON fits (whole)",
         "0.2.0 slice": "ALTER TABLE fits ADD COLUMN slice VARCHAR",
+        "0.2.0 summary": "ALTER TABLE fits ADD COLUMN summary VARCHAR",
     },
     columns=frozenset(fits.columns.keys()),
 )
 
 
 def sqlite_engine(path: Path) -> Engine:
-    """Return an engine on a SQLite file in WAL mode that flushes every commit to disk, and make its tables."""
+    """Return an engine on a SQLite file in WAL mode that flushes every commit to disk, and create its tables."""
     engine = create_engine(f"sqlite:///{path}")
 
     @event.listens_for(engine, "connect")
@@ -143,7 +145,7 @@ def sqlite_engine(path: Path) -> Engine:
 def postgres_engine(url: str, *queue: Part) -> Engine:
     """Return an engine on a PostgreSQL database, which need not answer yet.
 
-    Before the first connection is used, the tables are made or brought up to date, and those of the queue.
+    Before the first connection is used, the tables of fits and of the queue are created or migrated.
 
     Parameters
     ----------
@@ -154,14 +156,16 @@ def postgres_engine(url: str, *queue: Part) -> Engine:
 
     """
     where = "postgresql+psycopg://" + url.partition("://")[2]
-    told = {**PATIENCE, "options": OPTIONS}
-    first = create_engine(where, connect_args=told, poolclass=NullPool)
-    engine = create_engine(where, connect_args=told, pool_pre_ping=True, pool_timeout=10, pool_size=10, max_overflow=10)
-    alone, prepared = Lock(), Event()
+    arguments = {**TIMEOUTS, "options": OPTIONS}
+    first = create_engine(where, connect_args=arguments, poolclass=NullPool)
+    engine = create_engine(
+        where, connect_args=arguments, pool_pre_ping=True, pool_timeout=10, pool_size=10, max_overflow=10
+    )
+    lock, prepared = Lock(), Event()
 
     @event.listens_for(engine, "connect")
     def _prepare(_connection: object, _record: object) -> None:
-        with alone:
+        with lock:
             if not prepared.is_set():
                 prepare(first, [FITS, *queue])
                 prepared.set()

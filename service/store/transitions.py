@@ -1,4 +1,4 @@
-"""The moves of a fit in the database: each names the statuses it may start from, in its WHERE."""
+"""The transitions of fits in the database. Each names the statuses it may start from, in its WHERE clause."""
 
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
@@ -11,127 +11,134 @@ from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, sources
 from service.store import mapping
 from service.store.schema import Moment, fits
 
-FREE: dict[str, Any] = {"holder": None, "lease": None}
+# The columns of a fit that no process holds.
+NOT_HELD: dict[str, Any] = {"holder": None, "lease": None}
 
 
 class JobQueue(Protocol):
-    """A queue in the same database, which fits join and leave in the transaction that stores the change."""
+    """A job queue in the same database, changed in the transaction that changes the fit."""
 
-    def join(self, connection: Connection, fit_id: str, *, short: bool) -> int:
-        """Put a fit in line, or in that of the short, and return its job there."""
+    def enqueue(self, connection: Connection, fit_id: str, *, short: bool) -> int:
+        """Add a job for a fit to the queue of short or of long fits, and return the number of the job."""
 
-    def leave(self, connection: Connection, job: int) -> None:
-        """Take a job out of the line, or have its worker killed."""
+    def cancel(self, connection: Connection, job: int) -> None:
+        """Cancel a job; if it runs, its worker is told to abort it."""
 
-    def tell(self, connection: Connection, fit_id: str) -> None:
-        """Tell everybody that a fit has ended."""
+    def notify_ended(self, connection: Connection, fit_id: str) -> None:
+        """Notify all API processes that a fit has ended."""
 
-    def in_line(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
-        """Return those of the jobs that nobody has taken yet, and that are due."""
+    def queued(self, connection: Connection, jobs: Iterable[int]) -> set[int]:
+        """Return those of the jobs that no worker has taken yet, and that are due soon."""
 
 
 def clock(connection: Connection) -> datetime:
-    """Return the time: the database's own if several machines use it, whose clocks may differ."""
+    """Return the time: that of a database which several machines may use, whose clocks may differ, else our own."""
     if connection.dialect.name == "sqlite":
         return datetime.now(UTC)
     now: datetime = connection.execute(select(func.clock_timestamp(type_=Moment))).scalar_one()
     return now
 
 
-def take_back(connection: Connection, line: JobQueue | None, *where: ColumnElement[bool]) -> int:
-    """Move running fits of dead holders back to accepted, or to failed if they had too many; return how many."""
-    running = (fits.c.status == FitStatus.RUNNING, fits.c.unsummed == 0, *where)  # by itself, and not in parts
+def requeue_abandoned(connection: Connection, queue: JobQueue | None, *where: ColumnElement[bool]) -> int:
+    """Set running fits, whose holders are dead, back to accepted, or to failed if it was the last try.
+
+    Return how many there were.
+    """
+    running = (fits.c.status == FitStatus.RUNNING, fits.c.unsummed == 0, *where)  # not those whose parts run
     why = Failure("worker-crashed", f"The process that supervised the fit died {MAX_ABANDONED} times.")
-    ill = [
+    failed = [
         one.id
         for one in connection.execute(select(fits.c.id, fits.c.abandoned).where(*running).with_for_update())
         if one.abandoned + 1 >= MAX_ABANDONED
     ]
-    for fit_id in ill:
-        values = {"finished": clock(connection), "failure": orjson.dumps(why), **FREE}
-        move(connection, line, fit_id, FitStatus.FAILED, values)
-    back = {"started": None, "progress": None, "abandoned": fits.c.abandoned + 1, **FREE}
+    for fit_id in failed:
+        values = {"finished": clock(connection), "failure": orjson.dumps(why), **NOT_HELD}
+        transition(connection, queue, fit_id, FitStatus.FAILED, values)
+    back = {"started": None, "progress": None, "abandoned": fits.c.abandoned + 1, **NOT_HELD}
     moved = update(fits).where(*running).values(status=FitStatus.ACCEPTED, touched=clock(connection), **back)
-    return len(ill) + connection.execute(moved).rowcount
+    return len(failed) + connection.execute(moved).rowcount
 
 
-def rejoin(connection: Connection, line: JobQueue, seconds: float) -> int:
-    """Put live fits in line again that nobody has held for so long and that have no job there; return how many."""
+def requeue_lost(connection: Connection, queue: JobQueue, seconds: float) -> int:
+    """Queue live fits again that no process has held for so long and that have no job; return how many."""
     now = clock(connection)
     live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
     idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
     mine = (live, idle, fits.c.unsummed == 0)
     query = select(fits).where(*mine).with_for_update(skip_locked=True)
     found = connection.execute(query).all()
-    in_line = line.in_line(connection, [one.job for one in found])
-    lost = [one for one in found if one.job not in in_line]
+    queued = queue.queued(connection, [one.job for one in found])
+    lost = [one for one in found if one.job not in queued]
     for one in lost:
-        join(connection, line, mapping.to_fit(one), touched=now)
+        enqueue(connection, queue, mapping.to_fit(one), touched=now)
     return len(lost)
 
 
-def join(connection: Connection, line: JobQueue, fit: Fit, **values: object) -> None:
-    """Put a fit in line, and write down its job there."""
-    job = line.join(connection, fit.id, short=fit.short)
+def enqueue(connection: Connection, queue: JobQueue, fit: Fit, **values: object) -> None:
+    """Add a job for a fit to the queue, and store the number of the job with the fit."""
+    job = queue.enqueue(connection, fit.id, short=fit.short)
     connection.execute(update(fits).where(fits.c.id == fit.id).values(job=job, **values))
 
 
-def move(  # noqa: PLR0913, PLR0917 - where, which, whither, and what changes with it
+def transition(  # noqa: PLR0913, PLR0917 - where, which, to what, and the other changes
     connection: Connection,
-    line: JobQueue | None,
+    queue: JobQueue | None,
     fit_id: str,
     target: FitStatus,
     values: dict[str, Any],
     attempt: int | None = None,
 ) -> bool:
-    """Make a legal move, fenced by the attempt if one is given; return whether it was made."""
+    """Set a fit to `target` and change other columns, if the table of transitions allows it; return whether it does.
+
+    With `attempt`, only if that is the latest attempt.
+    """
     where = [fits.c.id == fit_id, fits.c.status.in_(sources(target))]
     if attempt is not None:
         where.append(fits.c.attempt == attempt)
-    moved = mapping.written(connection, where, status=target, touched=clock(connection), **values)
-    if moved and target.final:
-        _ended(connection, line, fit_id, target, values)
-    return moved
+    done = mapping.update_where(connection, where, status=target, touched=clock(connection), **values)
+    if done and target.final:
+        _after_end(connection, queue, fit_id, target, values)
+    return done
 
 
-def hold_whole(connection: Connection, fit_id: str) -> None:
-    """Lock the fit that this is a part of, if it is one. Who changes both locks the whole first: no two can block."""
+def lock_whole(connection: Connection, fit_id: str) -> None:
+    """Lock the fit that this is a part of, if it is one. Whoever changes both locks it first, so that none deadlock."""
     whole = select(fits.c.whole).where(fits.c.id == fit_id).scalar_subquery()
     connection.execute(select(fits.c.id).where(fits.c.id == whole).with_for_update())
 
 
-def _ended(
-    connection: Connection, line: JobQueue | None, fit_id: str, target: FitStatus, values: dict[str, Any]
+def _after_end(
+    connection: Connection, queue: JobQueue | None, fit_id: str, target: FitStatus, values: dict[str, Any]
 ) -> None:
-    """Do what the end of a fit, or of a part, brings with it, in the same transaction."""
+    """Do what follows from the end of a fit or a part, in the same transaction."""
     fit = connection.execute(select(fits.c.parts, fits.c.whole).where(fits.c.id == fit_id)).one()
     if fit.parts:
-        _clear(connection, line, fit_id)
+        _remove_parts(connection, queue, fit_id)
     if fit.whole is None:
-        if line is not None:
-            line.tell(connection, fit_id)
+        if queue is not None:
+            queue.notify_ended(connection, fit_id)
     elif target is FitStatus.SUCCESSFUL:
-        _count(connection, line, fit.whole)
+        _count_part(connection, queue, fit.whole)
     else:
         why = {name: values.get(name) for name in ("failure", "finished")}
-        move(connection, line, fit.whole, target, why)
+        transition(connection, queue, fit.whole, target, why)
 
 
-def _clear(connection: Connection, line: JobQueue | None, whole: str) -> None:
-    """Remove the parts of a fit; those that run are killed, or find that they hold nothing any more."""
+def _remove_parts(connection: Connection, queue: JobQueue | None, whole: str) -> None:
+    """Remove the parts of a fit. Those that run are aborted, or notice that their lease is gone."""
     live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
     jobs = connection.execute(select(fits.c.job).where(fits.c.whole == whole, live)).scalars().all()
     for job in jobs:
-        if line is not None and job is not None:
-            line.leave(connection, job)
+        if queue is not None and job is not None:
+            queue.cancel(connection, job)
     connection.execute(fits.delete().where(fits.c.whole == whole))
 
 
-def _count(connection: Connection, line: JobQueue | None, whole: str) -> None:
-    """Count a part as summed; after the last, put the fit itself in line."""
+def _count_part(connection: Connection, queue: JobQueue | None, whole: str) -> None:
+    """Count a part of a fit as summed; after the last one, queue the fit itself."""
     connection.execute(update(fits).where(fits.c.id == whole).values(unsummed=fits.c.unsummed - 1))
     fit = mapping.to_fit(connection.execute(select(fits).where(fits.c.id == whole)).one())
     if fit.unsummed == 0:
-        move(connection, line, whole, FitStatus.ACCEPTED, {})
-        if line is not None:
-            join(connection, line, fit)
+        transition(connection, queue, whole, FitStatus.ACCEPTED, {})
+        if queue is not None:
+            enqueue(connection, queue, fit)

@@ -1,1 +1,1 @@
-"""Processes that do the numerical work, and the function that fits inside one."""
+"""Worker processes, the pool that runs and kills them, and the tasks that they run."""

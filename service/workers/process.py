@@ -1,4 +1,4 @@
-"""What a worker process does apart from its tasks: it connects, watches its server, and runs what it is given."""
+"""The life of a worker process: its memory limit, its connection to the server, the tasks that it runs, its end."""
 
 import os
 import resource
@@ -12,17 +12,17 @@ from service.workers import progress
 
 T = TypeVar("T")
 
-# A worker that nobody waits for any more should not hold its core for long; looking once a second costs nothing.
-LOOK = 1.0
+# Seconds between two looks whether the server still runs. A worker without one should free its core soon.
+SERVER_CHECK_SECONDS = 1.0
 
 
-def enter(address: str, memory: int) -> None:
-    """Begin the life of a worker: take at most `memory` bytes, report to `address`, end when the server is gone."""
+def initialise(address: str, memory: int) -> None:
+    """Start a worker: limit it to `memory` bytes, connect it to `address`, and let it end with the server."""
     hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
-    most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)  # the system may have set less
+    most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)  # the system may allow less
     resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     progress.connect(address)
-    Thread(target=_leave_with, args=(os.getppid(),), name="leave-with-server", daemon=True).start()
+    Thread(target=_exit_with, args=(os.getppid(),), name="exit-with-server", daemon=True).start()
 
 
 def run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) -> T:
@@ -33,7 +33,7 @@ def run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) ->
     OutOfMemoryError
         If it needs more memory than the process may take.
     NotReadyError
-        If there is no room to write down which process works on it.
+        If the number of this process cannot be written, because the disk is full.
 
     """
     try:
@@ -48,14 +48,14 @@ def run(task: str, function: Callable[..., T], arguments: tuple[object, ...]) ->
 
 
 def idle() -> None:
-    """Do nothing: what is scheduled to find out that a worker has started."""
+    """Do nothing. A worker that returns from this task has started."""
 
 
-def _leave_with(parent: int) -> None:
-    """End this process when the fork server has ended, which ends with the server, however that dies.
+def _exit_with(parent: int) -> None:
+    """End this process when the fork server, its parent, has ended; that ends with the server, however it dies.
 
-    A worker reads its tasks from a pipe and would notice only after the fit in hand, which may take minutes.
+    A worker reads its tasks from a pipe and would notice only after the running fit, which may take minutes.
     """
     while os.getppid() == parent:
-        time.sleep(LOOK)
+        time.sleep(SERVER_CHECK_SECONDS)
     os._exit(1)

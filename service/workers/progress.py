@@ -1,6 +1,6 @@
-"""Word from inside a worker: datagrams on a Unix socket.
+"""Reports from workers to the server: datagrams on a Unix socket.
 
-Nothing is locked, so a worker that is killed in the middle cannot block the others.
+No lock is held while one is sent, so a worker that is killed cannot block the others.
 """
 
 import os
@@ -14,15 +14,15 @@ from typing import Any
 
 import orjson
 
-_LARGEST = 65536
+_LARGEST_REPORT = 65536  # bytes
 _STOP = b""
-# Seconds that a report waits for room. The system keeps some ten of them, which the first degrees of a fit, a
-# millisecond each, fill when the receiver is busy.
-PATIENCE = 0.2
+# Seconds that a report waits for room in the socket's buffer. It holds some ten reports, and the first degrees of a fit
+# take a millisecond each: they fill it when the receiver is busy.
+SEND_TIMEOUT = 0.2
 
 
 class _Sender:
-    """Where this process's reports go; set when a worker starts and at each task."""
+    """The socket and the task of this process's reports; set when a worker starts and when a task begins."""
 
     channel: socket.socket | None = None
     folder: Path = Path()
@@ -33,18 +33,18 @@ def connect(address: str) -> None:
     """Send this process's reports to `address` from now on."""
     _Sender.folder = Path(address).parent
     _Sender.channel = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-    _Sender.channel.settimeout(PATIENCE)
+    _Sender.channel.settimeout(SEND_TIMEOUT)
     _Sender.channel.connect(address)
 
 
 def begin(task: str) -> None:
-    """Mark the following reports as this task's, and leave word which process works on it."""
+    """Mark the following reports as those of this task, and write the number of this process to a file of its name."""
     _Sender.task = task
     (_Sender.folder / task).write_text(str(os.getpid()), encoding="ascii")
 
 
 def report(payload: object) -> None:
-    """Send a small JSON-able value to whoever started the task. Lost if nobody reads it."""
+    """Send a small value, as JSON, to the server. It is lost if nothing receives it."""
     if _Sender.channel is None:
         return
     try:
@@ -54,10 +54,10 @@ def report(payload: object) -> None:
 
 
 class Inbox:
-    """The receiving end: a thread that hands each report to its task's listener."""
+    """The receiver: a thread that calls the listener of a task with each of its reports."""
 
     def __init__(self) -> None:
-        """Open the socket and start listening."""
+        """Open the socket and start the thread."""
         self._folder = tempfile.mkdtemp(prefix="ipfit-")
         self.address = str(Path(self._folder) / "progress")
         self._listeners: dict[str, Callable[[Any], None]] = {}
@@ -72,19 +72,19 @@ class Inbox:
         self._listeners[task] = listener
 
     def worker(self, task: str) -> int | None:
-        """Return the process that works on the task, or None if none has begun."""
+        """Return the number of the process that works on a task, or None if none has begun."""
         try:
             return int((Path(self._folder) / task).read_text(encoding="ascii"))
-        except (FileNotFoundError, ValueError):  # a worker that is about to write the number has not begun either
+        except (FileNotFoundError, ValueError):  # the file may still be empty
             return None
 
     def forget(self, task: str) -> None:
-        """Drop the task's listener, and the word about its process."""
+        """Forget the listener of a task, and the number of its process."""
         self._listeners.pop(task, None)
         (Path(self._folder) / task).unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Stop listening and remove the socket."""
+        """End the thread and remove the socket."""
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as me:
             me.sendto(_STOP, self.address)
         self._thread.join()
@@ -92,7 +92,7 @@ class Inbox:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _listen(self) -> None:
-        while (message := self._socket.recv(_LARGEST)) != _STOP:
+        while (message := self._socket.recv(_LARGEST_REPORT)) != _STOP:
             task, payload = orjson.loads(message)
             listener = self._listeners.get(task)
             if listener is not None:

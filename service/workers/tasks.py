@@ -1,4 +1,4 @@
-"""What runs inside a worker: a fit, from the stored point set to the answer's JSON; in parts, if it is a huge one."""
+"""The tasks that run in workers: from a stored point set to the result of its fit, as a whole or in parts."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -12,33 +12,30 @@ import orjson
 from numpy.typing import NDArray
 
 import ipcore
-from service.jobs.cost import WORN
 from service.jobs.errors import NotReadyError
+from service.jobs.fit import PointSetRef
 from service.jobs.ports import BlobStore
 from service.jobs.slices import Slice
 from service.workers.progress import report
 
-# Bytes that hold the header of any npy of ours: numpy pads it to a multiple of 64, and 128 are enough for two axes.
-HEADER = 256
-
-Columns = tuple[NDArray[Any], NDArray[Any] | None]
+# Bytes that contain the whole header of a stored npy: numpy pads it to a multiple of 64, and two axes take 128.
+HEADER_BYTES = 256
 
 
-def fit(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any]) -> bytes:
-    """Fit a stored point set and return the answer as JSON; every degree is reported as it is made.
+def fit(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions) -> bytes:
+    """Fit a stored point set and return the result as JSON; report every degree when it has been tried.
 
     Raises
     ------
     NotReadyError
-        If the point set cannot be read, which is no fault of the fit.
+        If the point set cannot be read; the fit is then tried again later.
 
     """
-    points, normals = _halves(_table(blobs, key), dimension)
-    return _json(ipcore.fit(points, normals, ipcore.FitOptions.of(**options), progress=_report))
+    return _json(ipcore.fit(_point_set(blobs, given), options=options, progress=_report))
 
 
-def part(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], some: Slice) -> bytes:
-    """Return the moments of some of the points, as a file.
+def sum_moments(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, some: Slice) -> bytes:
+    """Return the moments of a slice of the points, as an npz file.
 
     Raises
     ------
@@ -46,19 +43,19 @@ def part(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], so
         As for `fit`.
 
     """
-    chosen = ipcore.FitOptions.of(**options)
-    table = _rows(blobs, key, some.first, some.last)
+    dimension = given.dimension
+    table = _rows(blobs, given.key, some.first, some.last)
     frame = ipcore.Frame(np.array(some.frame.centre), some.frame.scale)
-    degree = _summed_degree(chosen, dimension)
+    degree = _summed_degree(given, options)
     points, normals = table[:, :dimension], table[:, dimension:]
-    moments = ipcore.Moments.of(points, normals, degree=degree, options=chosen, frame=frame)
+    moments = ipcore.Moments.of(points, normals, degree=degree, options=options, frame=frame)
     file = BytesIO()
     moments.without_sample().save(file)
     return file.getvalue()
 
 
-def rest(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], sums: Sequence[bytes]) -> bytes:
-    """Add the moments of all parts, in order, and fit; return and report as `fit` does.
+def fit_from_moments(blobs: BlobStore, given: PointSetRef, options: ipcore.FitOptions, sums: Sequence[bytes]) -> bytes:
+    """Add the moments of all slices, in their order, and fit; return and report as `fit` does.
 
     Raises
     ------
@@ -66,19 +63,18 @@ def rest(blobs: BlobStore, key: str, dimension: int, options: dict[str, Any], su
         As for `fit`.
 
     """
-    points, normals = _halves(_table(blobs, key), dimension)
     moments = reduce(add, (ipcore.Moments.load(BytesIO(one)) for one in sums))
-    chosen = ipcore.FitOptions.of(**options)
-    return _json(moments.fit(chosen, points=points, normals=normals, progress=_report))
+    return _json(moments.fit(options, points=_point_set(blobs, given), progress=_report))
 
 
-def _summed_degree(options: ipcore.FitOptions, dimension: int) -> int:
-    """Return the degree up to which moments are worth their time.
+def _summed_degree(given: PointSetRef, options: ipcore.FitOptions) -> int:
+    """Return the degree up to which moments are summed.
 
-    Above `WORN` a fit goes over to the rows. One that is to go to the last degree asks for all moments at once.
+    Above the plan's `moment_degree` a fit mostly uses the rows themselves. One with the criterion `none` uses all
+    moments at once.
     """
-    cap = options.degree_cap(dimension)
-    return cap if options.criterion is ipcore.Criterion.NONE else min(cap, WORN[dimension])
+    plan = ipcore.plan(given.dimension, given.points, options, normals=True)
+    return plan.max_degree if options.criterion is ipcore.Criterion.NONE else plan.moment_degree
 
 
 def _report(step: ipcore.Step) -> None:
@@ -89,18 +85,18 @@ def _json(result: ipcore.FitResult) -> bytes:
     return orjson.dumps(result.to_dict())
 
 
-def _halves(table: NDArray[Any], dimension: int) -> Columns:
-    return table[:, :dimension], table[:, dimension:] if table.shape[1] > dimension else None
-
-
-def _table(blobs: BlobStore, key: str) -> NDArray[Any]:
-    table: NDArray[Any] = np.load(BytesIO(_read(blobs, key)), allow_pickle=False)
-    return table
+def _point_set(blobs: BlobStore, given: PointSetRef) -> ipcore.PointSet:
+    """Return a stored point set. It was checked before it was stored; it is checked again if its summary is missing."""
+    table = np.load(BytesIO(_read(blobs, given.key)), allow_pickle=False)
+    points, normals = table[:, : given.dimension], table[:, given.dimension :]
+    if given.summary is None:
+        return ipcore.check_points(points, normals if normals.size else None)
+    return given.summary.restored(points, normals if normals.size else None)
 
 
 def _rows(blobs: BlobStore, key: str, first: int, last: int) -> NDArray[Any]:
-    """Return some rows, without reading the others: every part of a huge set would read them all."""
-    head = BytesIO(_read(blobs, key, 0, HEADER))
+    """Return the rows `first` … `last` − 1 of a stored table, without reading the others."""
+    head = BytesIO(_read(blobs, key, 0, HEADER_BYTES))
     np.lib.format.read_magic(head)
     shape, _, dtype = np.lib.format.read_array_header_1_0(head)
     start, row = head.tell(), shape[1] * dtype.itemsize
@@ -111,5 +107,5 @@ def _rows(blobs: BlobStore, key: str, first: int, last: int) -> NDArray[Any]:
 def _read(blobs: BlobStore, key: str, start: int | None = None, end: int | None = None) -> bytes:
     try:
         return blobs.get(key, start, end)
-    except Exception as error:  # whatever the file system raises, and not all of it can be pickled
+    except Exception as error:  # the errors of file systems differ, and not all of them can be pickled
         raise NotReadyError(f"the point set cannot be read: {type(error).__name__}: {error}") from error

@@ -174,3 +174,13 @@ def test_stray_sheets_are_measured_and_reported() -> None:
     assert wild.diagnostics.stray is not None
     assert wild.diagnostics.stray > 0.05
     assert any("away from all data" in warning for warning in wild.warnings)
+
+
+def test_a_checked_point_set_is_fitted_as_it_is() -> None:
+    points, normals = shapes.ellipse().sample(60)
+    checked = ipcore.check_points(points, normals)
+    fitted, expected = ipcore.fit(checked), ipcore.fit(points, normals)
+    assert (fitted.polynomial.coefficients == expected.polynomial.coefficients).all()
+    assert fitted.to_dict()["engine"] == expected.to_dict()["engine"]
+    with pytest.raises(ipcore.InvalidNormalsError, match="has its own normals"):
+        ipcore.fit(checked, normals)

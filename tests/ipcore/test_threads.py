@@ -1,4 +1,4 @@
-"""Work in threads: its order, its errors, and how many there are."""
+"""Work in threads: its order, its errors, how many threads there are, and the limits of BLAS."""
 
 import os
 import threading
@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
-from ipcore._threads import AHEAD, CHUNK, available, by_rows, mapped, ordered, using
+from ipcore._threads import AHEAD, SLICE_ROWS, available, by_rows, limited, mapped, ordered, using
 
 
 def test_results_come_in_order_from_as_many_threads_as_asked_for() -> None:
@@ -30,7 +31,7 @@ def test_errors_come_through(threads: int) -> None:
         mapped(lambda x: 1 // x, [1, 0, 2], threads=threads)
 
 
-@pytest.mark.parametrize("rows", [0, 1, CHUNK, 2 * CHUNK + 1])
+@pytest.mark.parametrize("rows", [0, 1, SLICE_ROWS, 2 * SLICE_ROWS + 1])
 def test_rows_are_all_there_once(rows: int) -> None:
     x = np.arange(rows)
     np.testing.assert_array_equal(by_rows(lambda part: x[part], rows, threads=2), x)
@@ -78,3 +79,28 @@ def test_work_within_work_keeps_to_its_thread() -> None:
     with using(3):
         assert available() == 3
         assert mapped(lambda _: available(), range(2), threads=2) == [1, 1]
+
+
+def blas_threads() -> set[int]:
+    np.ones((2, 2)) @ np.ones((2, 2))
+    return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+
+def test_the_lowest_limit_holds_and_the_setting_comes_back() -> None:
+    before = blas_threads()
+    wide, narrow = limited(2), limited(1)
+    wide.__enter__()
+    narrow.__enter__()
+    assert blas_threads() == {1}
+    wide.__exit__(None, None, None)  # not the last that came
+    assert blas_threads() == {1}
+    narrow.__exit__(None, None, None)
+    assert blas_threads() == before
+
+
+def test_blas_keeps_to_one_thread_where_ours_work() -> None:
+    before = blas_threads()
+    assert list(ordered(lambda _: blas_threads(), range(4), threads=2)) == [{1}] * 4
+    with using(1):
+        assert blas_threads() == {1}
+    assert blas_threads() == before

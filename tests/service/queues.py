@@ -1,4 +1,4 @@
-"""An embedded queue as a test has it: a real store, real blobs and real workers, whose tasks do as they are told."""
+"""An embedded queue for tests: a real store, real blobs and real workers, whose tasks do what their input says."""
 
 import asyncio
 import os
@@ -10,12 +10,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import orjson
 from sqlalchemy import Engine, text
 
-from service.jobs.cost import SHORT
+import ipcore
 from service.jobs.errors import NotReadyError
-from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
+from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus, PointSetRef
+from service.jobs.lease_holder import LeaseHolder
 from service.jobs.parts import split
+from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.queue.embedded import EmbeddedQueue
 from service.queue.runner import Runner, Tasks
@@ -25,37 +28,47 @@ from service.store.schema import sqlite_engine
 from service.workers.pool import WorkerPool
 from service.workers.progress import report
 
-LONG = 10.0 * SHORT
+LONG = 10.0 * SHORT_SECONDS
 
 
-def task(blobs: Blobs, key: str, dimension: int, options: dict[str, Any]) -> bytes:
-    """Do what the options say."""
-    report({"degree": dimension})
-    time.sleep(options.get("seconds", 0.0))
-    if options.get("greedy"):
-        bytes(2**31)
-    if "once" in options and not Path(options["once"]).exists():
-        Path(options["once"]).touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    if "away" in options and (options["away"] == "/" or not Path(options["away"]).exists()):
-        raise NotReadyError("the point set cannot be read")
-    if options.get("die"):
-        os.kill(os.getpid(), signal.SIGKILL)
-    if options.get("fail"):
-        raise ValueError("as told")
-    return blobs.get(key)
+def fit(blobs: Blobs, given: PointSetRef, _options: ipcore.FitOptions) -> bytes:
+    """Do what the stored input says, which is a JSON object and not a point set."""
+    return act(instructions(blobs, given))
 
 
-def part(blobs: Blobs, key: str, dimension: int, options: dict[str, Any], some: Slice) -> bytes:
-    """Do what the options say of parts, or of the one that begins at a row."""
-    task(blobs, key, dimension, options.get("parts", {}) | options.get(str(some.first), {}))
+def part(blobs: Blobs, given: PointSetRef, _options: ipcore.FitOptions, some: Slice) -> bytes:
+    """Do what the input says of all parts, or of the one that begins at a row."""
+    orders = instructions(blobs, given)
+    act(orders.get("parts", {}) | orders.get(str(some.first), {}))
     return f"{some.first}-{some.last}".encode()
 
 
-def rest(blobs: Blobs, key: str, dimension: int, options: dict[str, Any], sums: list[bytes]) -> bytes:
-    """Do what the options say, and return what the parts did."""
-    task(blobs, key, dimension, options)
+def rest(blobs: Blobs, given: PointSetRef, _options: ipcore.FitOptions, sums: list[bytes]) -> bytes:
+    """Do what the input says, and return what the parts did."""
+    act(instructions(blobs, given))
     return b" ".join(sums)
+
+
+def instructions(blobs: Blobs, given: PointSetRef) -> dict[str, Any]:
+    orders: dict[str, Any] = orjson.loads(blobs.get(given.key))
+    return orders
+
+
+def act(orders: dict[str, Any]) -> bytes:
+    report({"degree": 3})
+    time.sleep(orders.get("seconds", 0.0))
+    if orders.get("greedy"):
+        bytes(2**31)
+    if "once" in orders and not Path(orders["once"]).exists():
+        Path(orders["once"]).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    if "away" in orders and (orders["away"] == "/" or not Path(orders["away"]).exists()):
+        raise NotReadyError("the point set cannot be read")
+    if orders.get("die"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if orders.get("fail"):
+        raise ValueError("as told")
+    return b"answer"
 
 
 def loaded() -> None:
@@ -71,20 +84,21 @@ class Bench:
         self.queue = self.anew()
 
     def anew(self) -> EmbeddedQueue:
-        tasks = Tasks(task, part, rest)
-        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=Holder("me", 1.0), deadline=1.0)
+        tasks = Tasks(fit, part, rest)
+        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=LeaseHolder("me", 1.0), deadline=1.0)
         return EmbeddedQueue(self.store, runner, seats=1, short_seats=1)
 
-    def submit(self, name: str, client: str = "", cost: float = LONG, **options: Any) -> None:  # noqa: ANN401 - any
-        key = self.blobs.put(b"answer")
-        fit = Fit(name, FitStatus.ACCEPTED, PointSetRef(key, 3, 9), options, datetime.now(UTC), client, cost)
-        self.queue.submit(self.store.add(fit, list))
+    def new_fit(self, name: str, orders: dict[str, Any], client: str = "", cost: float = LONG) -> Fit:
+        """Return a fit of nine points whose stored input says what its task does."""
+        given = PointSetRef(self.blobs.put(orjson.dumps(orders)), 3, 9)
+        return Fit(name, FitStatus.ACCEPTED, given, RequestedOptions({}), datetime.now(UTC), client, cost)
 
-    def submit_split(self, name: str, options: dict[str, Any], cost: float = LONG) -> None:
+    def submit(self, name: str, client: str = "", cost: float = LONG, **orders: Any) -> None:  # noqa: ANN401 - any
+        self.queue.submit(self.store.add(self.new_fit(name, orders, client, cost), list))
+
+    def submit_split(self, name: str, orders: dict[str, Any], cost: float = LONG) -> None:
         """Submit a fit of three parts."""
-        key = self.blobs.put(b"answer")
-        fit = Fit(name, FitStatus.ACCEPTED, PointSetRef(key, 3, 9), options, datetime.now(UTC), cost=cost)
-        whole, parts = split(fit, Frame((0.0, 0.0, 0.0), 1.0), 3)
+        whole, parts = split(self.new_fit(name, orders, cost=cost), Frame((0.0, 0.0, 0.0), 1.0), 3)
         self.store.add(whole, list, parts)
         for one in parts:
             self.queue.submit(one)

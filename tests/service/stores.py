@@ -5,19 +5,23 @@ from typing import Any
 
 from sqlalchemy import Engine, text
 
-from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
+from service.jobs.fit import Fit, FitStatus, PointSetRef
+from service.jobs.lease_holder import LeaseHolder
+from service.jobs.requested_options import RequestedOptions
 from service.queue.procrastinate_jobs import make, steps
 from service.store.fits import SqlFits
 from service.store.migrations import Part
 
 LIMIT = 40
 QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
-ME, OTHER = Holder("me", 60.0), Holder("other", 60.0)
+ME, OTHER = LeaseHolder("me", 60.0), LeaseHolder("other", 60.0)
 NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
 
 
 def fit(fit_id: str = "one", blob: str = "b10b", created: datetime = NOW, **more: Any) -> Fit:  # noqa: ANN401 - any
-    return Fit(fit_id, FitStatus.ACCEPTED, PointSetRef(blob, 3, 100, 1000), {"t1": 0.02}, created, **more)
+    return Fit(
+        fit_id, FitStatus.ACCEPTED, PointSetRef(blob, 3, 100, 1000), RequestedOptions({"t1": 0.02}), created, **more
+    )
 
 
 def add(store: SqlFits, new: Fit) -> Fit:

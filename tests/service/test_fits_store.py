@@ -12,7 +12,8 @@ from procrastinate.exceptions import ConnectorException
 from sqlalchemy import Engine, text
 
 from service.jobs.errors import KeyReusedError, QueueFullError
-from service.jobs.fit import MAX_ABANDONED, TRANSITIONS, Failure, FitStatus, Holder
+from service.jobs.fit import MAX_ABANDONED, TRANSITIONS, Failure, FitStatus
+from service.jobs.lease_holder import LeaseHolder
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
@@ -205,7 +206,7 @@ def test_what_cannot_be_kept_is_not_accepted(store: SqlFits) -> None:
 
 def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
     add(store, fit())
-    assert store.start("one", Holder("me", 0.05)) == 1
+    assert store.start("one", LeaseHolder("me", 0.05)) == 1
     assert store.start("one", OTHER) is None
     time.sleep(0.1)
     assert store.start("one", OTHER) == 2
@@ -218,7 +219,7 @@ def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
 
 def test_of_many_who_take_a_fit_over_one_does(store: SqlFits) -> None:
     add(store, fit())
-    store.start("one", Holder("dead", 0.0))
+    store.start("one", LeaseHolder("dead", 0.0))
     time.sleep(0.01)
     with ThreadPoolExecutor(8) as threads:
         started = list(threads.map(lambda _: store.start("one", OTHER), range(32)))
@@ -227,7 +228,7 @@ def test_of_many_who_take_a_fit_over_one_does(store: SqlFits) -> None:
 
 def test_a_renewed_lease_holds(store: SqlFits) -> None:
     add(store, fit())
-    store.start("one", Holder("me", 0.05))
+    store.start("one", LeaseHolder("me", 0.05))
     assert store.renew("one", 1, 60.0)
     time.sleep(0.1)
     assert store.start("one", OTHER) is None
@@ -236,7 +237,7 @@ def test_a_renewed_lease_holds(store: SqlFits) -> None:
 def test_a_fit_that_outlives_too_many_supervisors_fails(store: SqlFits) -> None:
     add(store, fit())
     for attempt in range(1, MAX_ABANDONED + 1):
-        assert store.start("one", Holder("me", 0.0)) == attempt
+        assert store.start("one", LeaseHolder("me", 0.0)) == attempt
         time.sleep(0.01)
     assert store.start("one", ME) is None
     found = store.get("one")
@@ -324,11 +325,11 @@ def test_a_job_that_a_wrong_clock_put_off_is_replaced(shared: SqlFits, database:
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET scheduled_at = now() + interval '1 minute'"))
         connection.execute(text("UPDATE fits SET touched = now() - interval '1 hour'"))
-    assert shared.rejoin(60.0) == 0
+    assert shared.requeue_lost(60.0) == 0
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET scheduled_at = now() + interval '1 day'"))
-    assert shared.rejoin(60.0) == 1
-    assert shared.rejoin(0.0) == 0
+    assert shared.requeue_lost(60.0) == 1
+    assert shared.requeue_lost(0.0) == 0
 
 
 def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: SqlFits, database: Engine) -> None:
@@ -338,6 +339,6 @@ def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: Sql
     shared.dismiss("ended")
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed' WHERE args->>'fit_id' <> 'waits'"))
-    assert shared.rejoin(60.0) == 1
+    assert shared.requeue_lost(60.0) == 1
     assert sorted(jobs(database)) == ["failed"] * 3 + ["todo"] * 2
-    assert shared.rejoin(0.0) == 0
+    assert shared.requeue_lost(0.0) == 0

@@ -6,18 +6,25 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any
 
 import httpx
 import pytest
 
+import ipcore
 from service.api.limits import Limits
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.point_set_summary import PointSetSummary
+from service.jobs.requested_options import RequestedOptions
+from service.jobs.slices import Frame
+from service.workers.planner import FitPlanner
 from tests.service.bodies import HALF_A_MINUTE, ellipse, npy, torus
 from tests.service.running import Server
 
 MIB = 2**20
 NPY = {"Content-Type": "application/x-npy"}
+SUMMARY = PointSetSummary(planar=False, frame=Frame((0.0, 0.0, 0.0), 1.0), sha256="")
 LIMITS = Limits(MIB, {2: 10, 3: 6}, {2: 100, 3: 50}, 10_000_000, 10.0)
 
 
@@ -38,31 +45,41 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     server.stop()
 
 
-def points(count: int, dimension: int) -> PointSet:
-    return PointSet(b"", dimension, count, {})
+def point_set(points: int) -> PointSet:
+    return PointSet(b"", "", 3, points, normals=True, options={}, summary=SUMMARY)
 
 
 @pytest.mark.parametrize(("dimension", "highest"), [(2, 10), (3, 6)])
 def test_a_degree_over_the_limit_is_refused(dimension: int, highest: int) -> None:
-    given = points(100, dimension)
-    assert LIMITS.checked(given, {"max_degree": highest}) == {"max_degree": highest}
+    given = RequestedOptions({"max_degree": highest})
+    assert LIMITS.capped(dimension, given) is given
     with pytest.raises(InvalidInputError, match=f"at most {highest}"):
-        LIMITS.checked(given, {"max_degree": highest + 1})
+        LIMITS.capped(dimension, given.with_max_degree(highest + 1))
 
 
 def test_a_limit_below_the_default_degree_becomes_the_default() -> None:
-    assert LIMITS.checked(points(100, 3), {"t1": 0.1}) == {"t1": 0.1, "max_degree": 6}
+    assert LIMITS.capped(3, RequestedOptions({"t1": 0.1})).given == {"t1": 0.1, "max_degree": 6}
 
 
 def test_a_system_over_the_limit_is_refused() -> None:
     columns = 84  # of degree 6 in 3D
     most = 10_000_000 // (24 * columns)
-    held = {"factor": "block"}
-    LIMITS.checked(points(most, 3), held)
+
+    def check(points: int, **options: Any) -> None:  # noqa: ANN401 - any
+        given = point_set(points)
+        LIMITS.check_system(given, FitPlanner().plan(given, ipcore.FitOptions.of(**({"max_degree": 6} | options))))
+
+    check(most, factor="block")
     with pytest.raises(TooLargeError, match="lower max_degree, send fewer points, or take factor auto"):
-        LIMITS.checked(points(most + 1, 3), held)
-    LIMITS.checked(points(most + 1, 3), held | {"max_degree": 5})
-    LIMITS.checked(points(most + 1, 3), {})  # which holds none
+        check(most + 1, factor="block")
+    check(most + 1, factor="block", max_degree=5)
+    check(most + 1)  # which holds none
+
+
+def test_options_that_the_dimension_does_not_allow_are_named() -> None:
+    with pytest.raises(InvalidInputError, match="at most 20 for 3D points") as refused:
+        FitPlanner().plan(point_set(9), ipcore.FitOptions(max_degree=21))
+    assert refused.value.at == ("options", "max_degree")
 
 
 def test_a_resolution_over_the_limit_is_refused() -> None:

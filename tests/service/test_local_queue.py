@@ -2,12 +2,12 @@
 
 import asyncio
 import time
-from datetime import UTC, datetime
 from pathlib import Path
 
 from sqlalchemy import text
 
-from service.jobs.fit import Fit, FitStatus, Holder, PointSetRef
+from service.jobs.fit import FitStatus
+from service.jobs.lease_holder import LeaseHolder
 from service.queue.runner import MAX_AWAY
 from tests.service.queues import Bench, run
 
@@ -137,7 +137,7 @@ def test_a_drain_that_is_hurried_ends_at_once(tmp_path: Path) -> None:
         draining = asyncio.create_task(b.queue.drain(60.0))
         await asyncio.sleep(0.1)
         assert not draining.done()
-        b.queue.hurry()
+        b.queue.end_drain()
         await asyncio.wait_for(draining, 0.5)
         await b.queue.close()
         assert (b.now("running").status, b.now("running").attempt) == (FitStatus.ACCEPTED, 1)
@@ -195,7 +195,7 @@ def test_a_fit_whose_lease_was_lost_is_given_up_and_taken_over_when_the_other_is
         b.submit("next")
         await b.until("one", FitStatus.RUNNING)
         b.store.recover()  # as if somebody else had taken it for dead
-        assert b.store.start("one", Holder("other", 2.0)) == 2
+        assert b.store.start("one", LeaseHolder("other", 2.0)) == 2
         assert (await b.ended("next")).status is FitStatus.SUCCESSFUL
         one = await b.ended("one")
         assert (one.status.final, one.attempt) == (True, 3)  # a worker that must first start may be over its deadline
@@ -224,11 +224,10 @@ def test_a_fit_whose_points_cannot_be_read_is_tried_again_and_lets_others_run(tm
 
 def test_a_fit_whose_points_stay_away_fails_in_the_end(tmp_path: Path) -> None:
     async def script(b: Bench) -> None:
-        key = b.blobs.put(b"answer")
-        fit = Fit("one", FitStatus.ACCEPTED, PointSetRef(key, 3, 9), {"away": "/"}, datetime.now(UTC))
+        fit = b.new_fit("one", {"away": "/"})
         b.store.add(fit, list)
         for attempt in range(1, MAX_AWAY):
-            assert b.store.start("one", Holder("me", 60.0)) == attempt
+            assert b.store.start("one", LeaseHolder("me", 60.0)) == attempt
             assert b.store.release("one", attempt)
         b.queue.submit(fit)
         failure = (await b.ended("one")).failure

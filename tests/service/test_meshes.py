@@ -11,11 +11,11 @@ from ipcore import shapes
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.zero_set import ZeroSet, zero_set
-from service.formats.zero_set import meshes
+from service.formats.zero_set import glb, stl
 from service.formats.zero_set.writers import WRITERS
-from service.jobs.media_types import FILES
+from service.jobs.media_types import ZERO_SET_FORMATS, zero_set_formats
 
-NAMES = [known.name for known in FILES if known.dimension == 3]
+NAMES = [known.name for known in zero_set_formats(3)]
 SINGLE, DOUBLE = float(np.finfo(np.float32).eps), float(np.finfo(float).eps)
 
 
@@ -73,15 +73,15 @@ def test_formats_in_double_precision_lose_nothing(name: str, shift: float) -> No
 
 def test_glb_keeps_single_precision_of_the_size_however_far_from_the_origin() -> None:
     z = torus(shift=1e6, scale=0.37)
-    mesh = read(meshes.glb(z), "glb")
+    mesh = read(glb.write(z), "glb")
     assert np.abs(mesh.vertices - z.vertices).max() < SINGLE + DOUBLE * 1e6
     assert mesh.volume == pytest.approx(volume(torus()) * 0.37**3, rel=1e-5)
 
 
 def test_glb_says_what_its_numbers_mean() -> None:
-    data = meshes.glb(torus(shift=1e6))
+    data = glb.write(torus(shift=1e6))
     tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
-    assert tree["asset"]["extras"] == meshes.GLB_NOTES
+    assert tree["asset"]["extras"] == glb.GLB_NOTES
     assert tree["nodes"][0]["matrix"][12:15] == pytest.approx([1e6] * 3, abs=0.1)
     position = tree["accessors"][tree["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
     assert np.abs(position["max"]).max() < 2.0
@@ -89,7 +89,7 @@ def test_glb_says_what_its_numbers_mean() -> None:
 
 def test_stl_has_unit_face_normals_that_face_outward() -> None:
     z = torus()
-    data = meshes.stl(z)
+    data = stl.write(z)
     assert len(data) == 84 + 50 * len(z.cells)
     normals = read(data, "stl").face_normals
     assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-6
@@ -105,6 +105,6 @@ def test_no_surface_is_a_file_with_no_faces(name: str) -> None:
 
 
 def test_every_kind_that_is_offered_has_its_writer() -> None:
-    assert list(WRITERS) == [kind.name for kind in FILES]
-    types = [media_type for kind in FILES for media_type in kind.media_types]
+    assert list(WRITERS) == [known.name for known in ZERO_SET_FORMATS]
+    types = [media_type for known in ZERO_SET_FORMATS for media_type in known.media_types]
     assert len(set(types)) == len(types)

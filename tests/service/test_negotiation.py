@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
-from service.api.negotiation import file_kind, point_set_kind, quality, wants_file
+from service.api.negotiation import point_set_format, quality, wants_file, zero_set_format
 
 
 def request(**headers: str) -> Request:
@@ -31,7 +31,7 @@ def request(**headers: str) -> Request:
     ],
 )
 def test_the_best_format_is_chosen(accept: str, dimension: int, kind: str) -> None:
-    assert file_kind(request(accept=accept), dimension).name == kind
+    assert zero_set_format(request(accept=accept), dimension).name == kind
 
 
 @pytest.mark.parametrize(
@@ -39,12 +39,12 @@ def test_the_best_format_is_chosen(accept: str, dimension: int, kind: str) -> No
 )
 def test_what_a_surface_cannot_be_had_as_is_406(accept: str) -> None:
     with pytest.raises(HTTPException) as caught:
-        file_kind(request(accept=accept), 3)
+        zero_set_format(request(accept=accept), 3)
     assert caught.value.status_code == 406
 
 
 def test_the_name_wins_over_accept() -> None:
-    assert file_kind(request(accept="model/stl"), 3, "obj").name == "obj"
+    assert zero_set_format(request(accept="model/stl"), 3, "obj").name == "obj"
 
 
 @pytest.mark.parametrize(
@@ -74,11 +74,11 @@ def test_a_file_is_the_answer_only_when_wanted_more_than_json(accept: str, wante
     ],
 )
 def test_the_kind_of_the_body(sent: str, named: str | None, kind: str) -> None:
-    assert point_set_kind(request(content_type=sent), named) == kind
+    assert point_set_format(request(content_type=sent), named) == kind
 
 
 def test_a_body_without_a_type_is_json() -> None:
-    assert point_set_kind(request(), None) == "json"
+    assert point_set_format(request(), None) == "json"
 
 
 @given(st.text(st.characters(codec="latin-1"), max_size=60))
@@ -86,6 +86,6 @@ def test_no_header_breaks_it(header: str) -> None:
     assert 0.0 <= quality(header, "model/stl") <= 1.0
     assert isinstance(wants_file(request(accept=header)), bool)
     try:
-        point_set_kind(request(content_type=header, content_encoding=header), None)
+        point_set_format(request(content_type=header, content_encoding=header), None)
     except HTTPException as error:
         assert error.status_code == 415  # noqa: PT017 - or none at all

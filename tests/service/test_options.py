@@ -4,17 +4,18 @@ import json
 from dataclasses import fields
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import httpx
 import numpy as np
+import orjson
 import pytest
 from typer.testing import CliRunner
 
 import ipcore
 from ipcore import shapes
 from service.cli.app import app
-from service.options import FitOptions, table
+from service.options import FitOptions, requested, table
 from tests.service.bodies import ellipse, npy, torus
 
 README = Path(__file__).parents[2] / "README.md"
@@ -93,11 +94,15 @@ def test_words_are_those_of_the_library(name: str) -> None:
     default = getattr(ipcore.FitOptions(), name)
     kind = ipcore.Collinear if name == "collinear" else type(default)
     if issubclass(kind, StrEnum):
-        annotation: Any = FitOptions.model_fields[name].annotation
-        words = {word for part in (annotation, *get_args(annotation)) for word in get_args(part)} - set(
-            get_args(int | None)
-        )
-        assert {word for word in words if isinstance(word, str)} == {str(member) for member in kind}
+        schema = FitOptions.model_json_schema()["properties"][name]
+        assert schema.get("anyOf", [schema])[0]["enum"] == [str(member) for member in kind]
+
+
+def test_what_the_caller_gave_stays_as_it_was_given() -> None:
+    body: dict[str, Any] = {"preset": "paper", "t1": 0.5, "max_degree": 4}
+    options = requested(body, {"t1": 0.25})
+    assert json.loads(orjson.dumps(options.given)) == {"preset": "paper", "t1": 0.25, "max_degree": 4}
+    assert options.complete == ipcore.FitOptions.of("paper", t1=0.25, max_degree=4)
 
 
 def test_every_option_has_its_wrong_values_here() -> None:

@@ -14,7 +14,8 @@ from ipcore.polynomial import graded
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.zero_set import ZeroSet, zero_set
-from service.formats.zero_set.curves import geojson, svg
+from service.formats.zero_set.geojson import write as geojson
+from service.formats.zero_set.svg import write as svg
 
 SQUARE = np.array([[-2.0, -2.0], [2.0, 2.0]])
 

@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 from service.jobs.errors import DeadlineExceededError, InvalidInputError, OutOfMemoryError, WorkerCrashedError
-from service.workers.pool import BLAS_THREADS, WorkerPool, killed
+from service.workers.kill import kill
+from service.workers.pool import BLAS_THREADS, WorkerPool
 from service.workers.progress import report
 from tests.service.running import alive, until
 
@@ -172,9 +173,9 @@ def test_a_task_may_be_tried_again_when_its_worker_dies(tmp_path: Path) -> None:
 
 def test_a_process_counts_as_killed_even_if_nobody_buries_it() -> None:
     child = subprocess.Popen(["/bin/sleep", "60"])
-    until(lambda: not killed(child.pid))
+    until(lambda: not kill(child.pid))
     assert child.wait() == -signal.SIGKILL  # until now it was a zombie
-    assert not killed(child.pid)
+    assert not kill(child.pid)
 
 
 def test_an_idle_worker_may_die() -> None:

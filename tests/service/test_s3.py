@@ -10,7 +10,9 @@ from uuid import uuid4
 import pytest
 from fsspec.exceptions import FSTimeoutError
 
+import ipcore
 from service.jobs.errors import NotReadyError
+from service.jobs.fit import PointSetRef
 from service.store.blobs import Blobs
 from service.workers import tasks
 from tests.service.bodies import ellipse, npy
@@ -82,7 +84,7 @@ def test_an_s3_that_says_nothing_is_not_waited_for_long(s3: S3, url: str) -> Non
         with pytest.raises(FSTimeoutError):
             blobs.put(b"other")
         with pytest.raises(NotReadyError, match="cannot be read"):
-            tasks.fit(blobs, key, 2, {})
+            tasks.fit(blobs, PointSetRef(key, 2, 9), ipcore.FitOptions())
         assert time.monotonic() - began < 20.0  # its own patience is minutes
     finally:
         s3.go_on()

@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 from sqlalchemy import Engine, text
 
-from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, Holder
+from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus
+from service.jobs.lease_holder import LeaseHolder
 from service.jobs.parts import split
 from service.jobs.slices import Frame, Slice
 from service.queue.procrastinate_jobs import ProcrastinateJobs
@@ -59,7 +60,7 @@ def test_the_parts_are_in_line_and_the_fit_is_not_until_the_last_has_ended(store
 
 def test_a_part_counts_once_and_only_for_the_attempt_that_holds_it(store: SqlFits) -> None:
     add_split(store)
-    store.start(PARTS[0], Holder("me", 0.0))
+    store.start(PARTS[0], LeaseHolder("me", 0.0))
     time.sleep(0.01)
     assert store.start(PARTS[0], OTHER) == 2
     assert not end(store, PARTS[0], 1, b"stale")
@@ -129,7 +130,7 @@ def test_with_the_fit_its_parts_go(store: SqlFits, how: str) -> None:
 def test_a_part_that_outlives_too_many_supervisors_fails_its_fit(store: SqlFits) -> None:
     add_split(store)
     for attempt in range(1, MAX_ABANDONED + 1):
-        assert store.start(PARTS[0], Holder("me", 0.0)) == attempt
+        assert store.start(PARTS[0], LeaseHolder("me", 0.0)) == attempt
         time.sleep(0.01)
     assert store.start(PARTS[0], ME) is None
     failure = now(store).failure
@@ -206,11 +207,11 @@ def test_lost_jobs_of_parts_are_replaced_and_a_fit_that_waits_for_parts_needs_no
 ) -> None:
     add_split(shared)
     shared.start(PARTS[0], ME)
-    assert shared.rejoin(0.0) == 0
+    assert shared.requeue_lost(0.0) == 0
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed'"))
         connection.execute(text("UPDATE fits SET touched = now() - interval '1 hour'"))
-    assert shared.rejoin(60.0) == 2
+    assert shared.requeue_lost(60.0) == 2
     assert sorted(jobs(database)) == ["failed"] * 3 + ["todo"] * 2
 
 

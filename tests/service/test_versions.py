@@ -74,7 +74,7 @@ def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine:
 
 
 def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine) -> None:
-    new = {"parts", "unsummed", "whole", "slice"}
+    new = {"parts", "unsummed", "whole", "slice", "summary"}
     old = Table("fits", MetaData(), *(Column(c.name, c.type) for c in table.columns if c.name not in new))
     prepare(engine, [dataclasses.replace(FITS, make=old.create, steps={"0.1.0": ""}, columns=frozenset())])
     with engine.begin() as connection:
@@ -83,7 +83,9 @@ def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine
     assert columns(engine) == FITS.columns
     assert "ix_fits_whole" in {index["name"] for index in inspect(engine).get_indexes("fits")}
     with engine.connect() as connection:
-        assert connection.execute(text("SELECT parts, unsummed, whole, slice FROM fits")).all() == [(0, 0, None, None)]
+        assert connection.execute(text("SELECT parts, unsummed, whole, slice, summary FROM fits")).all() == [
+            (0, 0, None, None, None)
+        ]
 
 
 def test_a_step_that_fails_leaves_the_database_as_it_was(engine: Engine) -> None:

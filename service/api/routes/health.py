@@ -1,8 +1,8 @@
-"""Whether the server lives, and whether it is ready."""
+"""The routes by which a supervisor of the server asks whether it is alive and ready."""
 
 from fastapi import APIRouter
 
-from service.api.dependencies import Here
+from service.api.dependencies import ContextDep
 from service.api.openapi import problem
 from service.api.schemas import Health
 
@@ -16,10 +16,10 @@ async def livez() -> Health:
 
 
 @router.get("/readyz", summary="Ready for work?", responses={503: problem("Not ready.")})
-async def readyz(here: Here) -> Health:
+async def readyz(context: ContextDep) -> Health:
     """Answer while fits can be looked up and the server is not about to stop, else 503.
 
     A disk that is full does not count: what was fitted can still be had. New fits are then answered with 503.
     """
-    await here.desk.check()
+    await context.fits.check()
     return Health(status="ok")

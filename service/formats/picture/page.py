@@ -2,8 +2,7 @@
 
 from html import escape
 
-from ipcore._typing import FloatArray
-from ipcore.search.result import FitResult
+import ipcore
 from service.formats.picture import trace
 from service.formats.picture.plane import LegendEntries, curve
 from service.formats.picture.surface import View, surface
@@ -33,7 +32,7 @@ LEGEND = 494  # px, its baseline
 CHARACTER = 6.3  # px, how wide one is on average at 12 px in the widest of the fonts
 
 
-def plot(result: FitResult, points: FloatArray, view: View | None = None) -> bytes:
+def plot(result: ipcore.FitResult, points: ipcore.FloatArray, view: View | None = None) -> bytes:
     """Return an SVG picture, 960 px wide, that needs nothing beside itself.
 
     Parameters
@@ -67,7 +66,7 @@ def plot(result: FitResult, points: FloatArray, view: View | None = None) -> byt
     ).encode()
 
 
-def _facts(result: FitResult) -> list[str]:
+def _facts(result: ipcore.FitResult) -> list[str]:
     return [
         f"degree {result.degree}",
         f"{len(result.polynomial.coefficients)} coefficients",
@@ -77,7 +76,7 @@ def _facts(result: FitResult) -> list[str]:
     ]
 
 
-def _description(result: FitResult, points: FloatArray) -> str:
+def _description(result: ipcore.FitResult, points: ipcore.FloatArray) -> str:
     kind = {2: "curve", 3: "surface"}[result.polynomial.dimension]
     tried = ", ".join(f"{step.degree}: {step.d_dist:.2g} and {step.d_smooth:.3f}" for step in result.steps)
     return (

@@ -7,12 +7,7 @@ from typing import Self
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ipcore._typing import BoolArray, FloatArray
-from ipcore.polynomial.frame import Frame
-from ipcore.polynomial.implicit import ImplicitPolynomial
-from ipcore.zero_set.mesh import labels
-from ipcore.zero_set.support import gap_radius, support_radius
-from ipcore.zero_set.zero_set import ZeroSet, zero_set
+import ipcore
 
 WIDTH, HEIGHT = 470.0, 396.0  # px, of the space for a shape
 BLUE, WARNING, INK, INSIDE, RIM = "#2463a6", "#e8590c", "#1f2933", "#e3eef9", "#c3ccd5"
@@ -37,12 +32,12 @@ class Placing:
 
     """
 
-    centre: FloatArray
+    centre: ipcore.FloatArray
     scale: float
-    middle: FloatArray
+    middle: ipcore.FloatArray
 
     @classmethod
-    def into(cls, width: float, height: float, corners: FloatArray) -> Self:
+    def into(cls, width: float, height: float, corners: ipcore.FloatArray) -> Self:
         """Return the map that makes the box with these corners (2, 2) as large as fits, in the middle.
 
         >>> Placing.into(200.0, 100.0, np.array([[0.0, 0.0], [1.0, 1.0]]))(np.array([[0.0, 0.0], [1.0, 1.0]])).tolist()
@@ -53,17 +48,20 @@ class Placing:
             corners.mean(axis=0), float((np.array([width, height]) / sides).min()), np.array([width, height]) / 2
         )
 
-    def __call__(self, x: FloatArray) -> FloatArray:
+    def __call__(self, x: ipcore.FloatArray) -> ipcore.FloatArray:
         """Return where points (N, 2) lie, (N, 2), in px."""
         return self.middle + self.scale * (x - self.centre) * [1.0, -1.0]
 
 
-def curve(polynomial: ImplicitPolynomial, points: FloatArray) -> tuple[str, LegendEntries]:
+def curve(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray) -> tuple[str, LegendEntries]:
     """Draw the whole zero set in the bounds, and what of it lies away from the data in the colour of a warning.
 
     Returns the drawing, from the origin to the right and down, and the entries of its legend.
     """
-    lines, filled = zero_set(polynomial, data=points, restrict=False, cap=False), zero_set(polynomial, restrict=False)
+    lines, filled = (
+        ipcore.zero_set(polynomial, data=points, restrict=False, cap=False),
+        ipcore.zero_set(polynomial, restrict=False),
+    )
     held = supported(lines, points)
     place = Placing.into(WIDTH, HEIGHT, polynomial.bounds)
     (left, bottom), (right, top) = place(polynomial.bounds).tolist()
@@ -83,23 +81,22 @@ def curve(polynomial: ImplicitPolynomial, points: FloatArray) -> tuple[str, Lege
     return "\n".join(drawing), legend
 
 
-def supported(whole: ZeroSet, points: FloatArray) -> BoolArray:
-    """Return which cells (C,) of a zero set are near the data (N, d) and hang together with what the data lie on.
+def supported(whole: ipcore.ZeroSet, points: ipcore.FloatArray) -> ipcore.BoolArray:
+    """Return which cells (C,) of a zero set are near the data (N, d) and belong to a component that describes them.
 
-    Other branches may pass near the data, too; few of the data are nearest to them.
+    Other components may pass near the data, too; but few of the data have their nearest vertex on them.
     """
-    close, _ = cKDTree(points).query(whole.vertices[whole.cells].mean(axis=1))
-    kept: BoolArray = np.asarray(close <= max(support_radius(points, Frame.of(points).scale), gap_radius(points)))
-    if not kept.any():
-        return kept
-    label = labels(whole.cells[kept], len(whole.vertices))
-    used = np.unique(whole.cells[kept])
+    near = whole.cells_near(points)
+    if not near.any():
+        return near
+    component = replace(whole, cells=whole.cells[near]).vertex_components()
+    used = np.unique(whole.cells[near])
     _, nearest = cKDTree(whole.vertices[used]).query(points)
-    held = np.bincount(label[used[nearest]], minlength=label.max() + 1) >= LEAST_SHARE * len(points)
-    return kept & held[label[whole.cells[:, 0]]]
+    describes = np.bincount(component[used[nearest]], minlength=component.max() + 1) >= LEAST_SHARE * len(points)
+    return near & describes[component[whole.cells[:, 0]]]
 
 
-def dots(at: FloatArray, size: float, opacity: float) -> str:
+def dots(at: ipcore.FloatArray, size: float, opacity: float) -> str:
     """Return points (N, 2), px, as dots, evenly thinned to MOST_DOTS: strokes of no length with round ends."""
     chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), MOST_DOTS)).round().astype(int))
     path = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at[chosen].tolist())
@@ -113,11 +110,11 @@ def _dash(colour: str) -> str:
     return f'<path d="M-8 0H8" stroke="{colour}" stroke-width="2.4"/>'
 
 
-def _part(lines: ZeroSet, cells: BoolArray) -> ZeroSet:
+def _part(lines: ipcore.ZeroSet, cells: ipcore.BoolArray) -> ipcore.ZeroSet:
     return replace(lines, cells=lines.cells[cells])
 
 
-def _path(lines: ZeroSet, place: Placing) -> str:
+def _path(lines: ipcore.ZeroSet, place: Placing) -> str:
     """Return path data; hundredths of a px, or the rounding would show as a tremor."""
     return "".join(
         "M" + "L".join(f"{x:.2f} {y:.2f}" for x, y in place(line).tolist()) + "Z" * bool((line[0] == line[-1]).all())

@@ -5,9 +5,7 @@ from typing import Literal, Self
 
 import numpy as np
 
-from ipcore._typing import BoolArray, FloatArray, IntArray
-from ipcore.polynomial.implicit import ImplicitPolynomial
-from ipcore.zero_set.zero_set import ZeroSet, zero_set
+import ipcore
 from service.formats.picture.plane import HEIGHT, WIDTH, LegendEntries, Placing, dots, supported
 
 # Triangles to paint at most: at 49 bytes each they make 590 kB. The finest of these resolutions is taken that needs no
@@ -49,7 +47,7 @@ class View:
     azimuth: float = 30.0
     elevation: float = 20.0
 
-    def axes(self) -> FloatArray:
+    def axes(self) -> ipcore.FloatArray:
         """Return the unit vectors to the right, up and towards the eye, the rows of a rotation (3, 3).
 
         >>> View("z", azimuth=0.0, elevation=0.0).axes().round().astype(int).tolist()
@@ -80,13 +78,13 @@ class Facets:
 
     """
 
-    corners: IntArray
-    cells: IntArray
-    outside: BoolArray
-    depth: FloatArray
+    corners: ipcore.IntArray
+    cells: ipcore.IntArray
+    outside: ipcore.BoolArray
+    depth: ipcore.FloatArray
 
     @classmethod
-    def of(cls, cells: IntArray, seen: FloatArray, place: Placing) -> Self:
+    def of(cls, cells: ipcore.IntArray, seen: ipcore.FloatArray, place: Placing) -> Self:
         """Return the triangles (C, 3) of vertices (V, 3), right, up and towards the eye, as they are painted.
 
         Those that turn their inner face are left out if the surface is closed, which hides them.
@@ -100,7 +98,7 @@ class Facets:
         return cls(corners[order], cells[order], turn[order] > 0, depth[order])
 
 
-def surface(polynomial: ImplicitPolynomial, points: FloatArray, view: View) -> tuple[str, LegendEntries]:
+def surface(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray, view: View) -> tuple[str, LegendEntries]:
     """Draw the zero set near the data, shaded, and the data beside it.
 
     Returns the drawing, from the origin to the right and down, and the entries of its legend.
@@ -123,7 +121,7 @@ def surface(polynomial: ImplicitPolynomial, points: FloatArray, view: View) -> t
     ]
 
 
-def _extract(polynomial: ImplicitPolynomial, points: FloatArray) -> ZeroSet:
+def _extract(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray) -> ipcore.ZeroSet:
     """Return the zero set that the data support, as fine as can be painted."""
     meshes = (_supported(polynomial, points, resolution) for resolution in RESOLUTIONS)
     for mesh in meshes:
@@ -132,8 +130,8 @@ def _extract(polynomial: ImplicitPolynomial, points: FloatArray) -> ZeroSet:
     return mesh
 
 
-def _supported(polynomial: ImplicitPolynomial, points: FloatArray, resolution: int) -> ZeroSet:
-    whole = zero_set(polynomial, resolution=resolution, data=points, restrict=False, cap=False)
+def _supported(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray, resolution: int) -> ipcore.ZeroSet:
+    whole = ipcore.zero_set(polynomial, resolution=resolution, data=points, restrict=False, cap=False)
     cells = whole.cells[supported(whole, points)]
     used, renumbered = np.unique(cells, return_inverse=True)
     return replace(
@@ -141,20 +139,20 @@ def _supported(polynomial: ImplicitPolynomial, points: FloatArray, resolution: i
     )
 
 
-def _placing(seen: FloatArray, width: float, height: float) -> Placing:
+def _placing(seen: ipcore.FloatArray, width: float, height: float) -> Placing:
     """Return how to place points (N, 3), right, up and towards the eye, so that all are in the picture."""
     corners = np.stack([seen.min(axis=0), seen.max(axis=0)])[:, :2]
     inner = Placing.into(width - 2.0 * MARGIN, height - 2.0 * MARGIN, corners)
     return replace(inner, middle=np.array([width, height]) / 2.0)
 
 
-def _closed(cells: IntArray) -> bool:
+def _closed(cells: ipcore.IntArray) -> bool:
     """Return whether every edge of the triangles belongs to two of them."""
     edges = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]]), axis=1)
     return bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
 
 
-def _light(normals: FloatArray, facets: Facets) -> FloatArray:
+def _light(normals: ipcore.FloatArray, facets: Facets) -> ipcore.FloatArray:
     """Return how bright the facets are (K,), 0 … 1, by Lambert's law: ambient + Σ strength · max(0, n · l)."""
     n = normals[facets.cells].sum(axis=1) * np.where(facets.outside, 1.0, -1.0)[:, None]
     n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), np.finfo(float).tiny)
@@ -164,7 +162,7 @@ def _light(normals: FloatArray, facets: Facets) -> FloatArray:
     return np.asarray(np.clip(light, 0.0, 1.0))
 
 
-def _triangles(facets: Facets, light: FloatArray) -> list[str]:
+def _triangles(facets: Facets, light: ipcore.FloatArray) -> list[str]:
     """Return a path for each facet: its first corner, and the steps to the others."""
     shades = np.rint((SHADES - 1) * light).astype(int).tolist()
     steps = np.diff(facets.corners, axis=1)
@@ -190,7 +188,7 @@ def _styles() -> str:
     )
 
 
-def _inset(cloud: FloatArray, shape: FloatArray) -> str:
+def _inset(cloud: ipcore.FloatArray, shape: ipcore.FloatArray) -> str:
     """Draw the data from the same side, small, in the corner where the least of the shape (V, 2), px, is."""
     ends = [(0.0, 0.0), (WIDTH - INSET, 0.0), (0.0, HEIGHT - INSET), (WIDTH - INSET, HEIGHT - INSET)]
     corner = min(ends, key=lambda end: int(((shape >= end) & (shape <= np.add(end, INSET))).all(axis=1).sum()))

@@ -6,8 +6,7 @@ from math import ceil, floor
 
 import numpy as np
 
-from ipcore._typing import FloatArray, IntArray
-from ipcore.search.result import FitResult
+import ipcore
 from service.formats.picture.plane import BLUE, LegendEntries
 
 LEFT, WIDTH = 46.0, 352.0  # px, the charts' sides; beyond them there is room for labels
@@ -48,14 +47,14 @@ class Chart:
 
     name: str
     heading: str
-    values: FloatArray
+    values: ipcore.FloatArray
     threshold: float
     label: str
     worst: float
     best: float
     ticks: list[tuple[float, str]]
 
-    def height(self, values: FloatArray) -> FloatArray:
+    def height(self, values: ipcore.FloatArray) -> ipcore.FloatArray:
         """Return px from the top; what is off the axis is at its end, and what is no number at the worst."""
         low, high = sorted((self.worst, self.best))
         inside = np.clip(np.where(np.isnan(values), self.worst, values), low, high)
@@ -67,7 +66,7 @@ class Chart:
         return [not low <= value <= high for value in self.values.tolist()]
 
 
-def draw(result: FitResult) -> tuple[str, LegendEntries]:
+def draw(result: ipcore.FitResult) -> tuple[str, LegendEntries]:
     """Return the charts, drawn from the origin to the right and down, and the entries of their legend."""
     degrees = np.array([step.degree for step in result.steps])
     across = LEFT + (degrees - degrees[0] + 0.5) * (WIDTH - LEFT) / (degrees[-1] - degrees[0] + 1)
@@ -81,7 +80,7 @@ def draw(result: FitResult) -> tuple[str, LegendEntries]:
     return "\n".join(parts), legend
 
 
-def _distance(result: FitResult) -> Chart:
+def _distance(result: ipcore.FitResult) -> Chart:
     t1 = result.options.t1
     with np.errstate(divide="ignore", invalid="ignore"):
         *values, threshold = np.log10([step.d_dist for step in result.steps] + [t1]).tolist()
@@ -94,7 +93,7 @@ def _distance(result: FitResult) -> Chart:
     return Chart("d_dist", heading, np.array(values), threshold, f"t1 = {t1:g}", float(high), float(low), ticks)
 
 
-def _smoothness(result: FitResult) -> Chart:
+def _smoothness(result: ipcore.FitResult) -> Chart:
     t2 = result.options.t2
     values = np.array([step.d_smooth for step in result.steps])
     shown = np.clip([t2, *values[np.isfinite(values)]], -1.0, 1.0)
@@ -119,7 +118,7 @@ def _power_of_ten(k: int) -> str:
     return f"{10.0**k:g}" if PLAIN[0] <= k <= PLAIN[1] else "10" + str(k).translate(SUPERSCRIPTS)
 
 
-def _chart(chart: Chart, across: FloatArray, chosen: list[bool]) -> str:
+def _chart(chart: Chart, across: ipcore.FloatArray, chosen: list[bool]) -> str:
     """Return a chart from the top of its axis: what is good enough, grid, line, then markers."""
     down = chart.height(chart.values)
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, down, strict=True))
@@ -169,7 +168,7 @@ def _marker(x: float, y: float, off: bool, chosen: bool) -> str:  # noqa: FBT001
     return f'<circle class="step" {at} r="3" {paint}/>{ring}'
 
 
-def _degrees(degrees: IntArray, across: FloatArray, chosen: int) -> str:
+def _degrees(degrees: ipcore.IntArray, across: ipcore.FloatArray, chosen: int) -> str:
     """Return the axis that both charts share: every so many degrees, and always the chosen one."""
     every = ceil(len(degrees) / MOST_DEGREES)
     y = TOPS[1] + HEIGHT

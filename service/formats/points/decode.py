@@ -1,5 +1,6 @@
 """Point sets in: bytes or a file of any kind, read without trusting a byte, checked, and made one npy of doubles."""
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
@@ -17,7 +18,7 @@ from service.formats.points.raw import Array, Missing, RawPoints, ReadOptions, c
 from service.formats.points.table import read_table
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
-from service.jobs.slices import Frame
+from service.jobs.point_set_summary import PointSetSummary
 
 # By kind of body, which is also the ending of a file. Each reader takes the bytes.
 READERS: dict[str, Callable[[bytes, ReadOptions], RawPoints]] = {
@@ -94,9 +95,10 @@ def checked(raw: RawPoints, options: ReadOptions) -> PointSet:
     except ipcore.IPCoreError as error:
         raise InvalidInputError(_with_remedy(error.message, complete), error.at) from error
     table = given.points if given.normals is None else np.hstack([given.points, given.normals])
-    count, dimension = given.points.shape
+    content, (count, dimension) = _npy(table), given.points.shape
+    key, has_normals = hashlib.sha256(content).hexdigest(), given.normals is not None
     left_out = len(raw.points) - len(complete.points)
-    return PointSet(_npy(table), dimension, count, options=raw.options, frame=_frame(given), left_out=left_out)
+    return PointSet(content, key, dimension, count, has_normals, raw.options, PointSetSummary.of(given), left_out)
 
 
 def _with_remedy(message: str, raw: RawPoints) -> str:
@@ -117,14 +119,6 @@ def _without_missing(raw: RawPoints) -> RawPoints:
     if not complete.any():
         raise InvalidInputError("every point has a value that is missing, so that none is left", ("points",))
     return replace(raw, points=points[complete], normals=None if normals is None else normals[complete])
-
-
-def _frame(given: ipcore.PointSet) -> Frame | None:
-    """Return the frame in which moments of parts of the points can be summed, if there will be any."""
-    if given.normals is None or given.planar:
-        return None
-    frame = ipcore.Frame.of(given.points)
-    return Frame(tuple(frame.centre.tolist()), frame.scale)
 
 
 def split(content: bytes, dimension: int) -> tuple[Array, Array | None]:

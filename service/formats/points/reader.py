@@ -3,11 +3,8 @@
 import asyncio
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import ipcore
 from service.formats.points import decode
-from service.jobs.errors import InvalidInputError
 from service.jobs.fit import PointSet
 from service.jobs.ports import Workers
 
@@ -37,14 +34,3 @@ class PointSetReader:
             return await asyncio.to_thread(decode.read, body, kind, self.max_points)
         points: PointSet = await self.workers.run(decode.read, body, kind, self.max_points, deadline=self.deadline)
         return points
-
-    def check(self, dimension: int, options: dict[str, Any]) -> None:
-        """Refuse options that contradict each other."""
-        try:
-            ipcore.FitOptions.of(**options).degree_cap(dimension)
-        except ipcore.InvalidOptionsError as error:
-            raise InvalidInputError(str(error), ("options", *error.at)) from error
-
-    def sums(self, options: dict[str, Any]) -> bool:
-        """Return whether a fit with these options can be made of moments, which are sums over its points."""
-        return ipcore.Moments.can_fit(ipcore.FitOptions.of(**options))

@@ -1,4 +1,4 @@
-"""Zero sets of stored fits, drawn in a worker process."""
+"""Files of the zero sets of stored fits, made in a worker process."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ import ipcore
 from service.formats.points import decode
 from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
-from service.jobs.media_types import MeshRequest
+from service.jobs.mesh_request import MeshRequest
 from service.jobs.ports import Workers
 
 
@@ -22,20 +22,20 @@ class MeshExporter:
     workers
         Where the work is done.
     deadline
-        Seconds that one drawing may take.
+        Seconds that one export may take.
 
     """
 
     workers: Workers
     deadline: float
 
-    async def draw(self, result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
-        """Return a file with the zero set of a fit's result, given its point set."""
-        content: bytes = await self.workers.run(draw, result, points, dimension, drawing, deadline=self.deadline)
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+        """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""
+        content: bytes = await self.workers.run(export, result, points, dimension, wanted, deadline=self.deadline)
         return content
 
 
-def draw(result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> bytes:
+def export(result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
     """Extract a zero set and write it as a file.
 
     Raises
@@ -46,9 +46,9 @@ def draw(result: bytes, points: bytes, dimension: int, drawing: MeshRequest) -> 
     """
     polynomial = ipcore.ImplicitPolynomial.from_dict(orjson.loads(result)["polynomial"])
     data, _ = decode.split(points, dimension)
-    bounds = None if drawing.bounds is None else np.array(drawing.bounds)
+    bounds = None if wanted.bounds is None else np.array(wanted.bounds)
     try:
-        zero_set = ipcore.zero_set(polynomial, bounds, drawing.resolution, data=data, restrict=drawing.restrict)
+        zero_set = ipcore.zero_set(polynomial, bounds, wanted.resolution, data=data, restrict=wanted.restrict)
     except ipcore.IPCoreError as error:
         raise InvalidInputError(error.message, error.at) from error
-    return WRITERS[drawing.kind](zero_set)
+    return WRITERS[wanted.format](zero_set)

@@ -1,15 +1,18 @@
-"""What writes each kind of zero-set file that `service.jobs.media_types` names."""
+"""The writers of zero sets, by format."""
 
 from collections.abc import Callable
+from importlib import import_module
+from typing import cast
 
-from ipcore.zero_set.zero_set import ZeroSet
-from service.formats.zero_set import curves, meshes
+import ipcore
+from service.jobs.media_types import ZERO_SET_FORMATS
 
-WRITERS: dict[str, Callable[[ZeroSet], bytes]] = {
-    "glb": meshes.glb,
-    "ply": meshes.ply,
-    "stl": meshes.stl,
-    "obj": meshes.obj,
-    "svg": curves.svg,
-    "geojson": curves.geojson,
-}
+Writer = Callable[[ipcore.ZeroSet], bytes]
+
+
+def _writer(name: str) -> Writer:
+    """Return the function `write` of the module of this package that is named like the format."""
+    return cast("Writer", import_module(f"{__package__}.{name}").write)
+
+
+WRITERS: dict[str, Writer] = {known.name: _writer(known.name) for known in ZERO_SET_FORMATS}

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipcore._typing import FloatArray
-from ipcore.geometric.levenberg_marquardt import refine, solve, unit_diagonal
+from ipcore.geometric.levenberg_marquardt import Effort, condition, refine, unit_diagonal
 from ipcore.geometric.objective import Evaluation
 
 EPS = np.finfo(float).eps
@@ -20,41 +20,74 @@ class Valley:
         return J.T @ J, -J.T @ evaluation.distance
 
 
+class Linear:
+    """The sum of squares ‖J a − b‖², or one with any matrix H in the place of JᵀJ."""
+
+    def __init__(self, J: FloatArray, b: FloatArray, H: FloatArray | None = None) -> None:
+        self.J, self.b, self.H = J, b, J.T @ J if H is None else H
+
+    def evaluate(self, a: FloatArray) -> Evaluation:
+        residual = self.J @ a - self.b
+        return Evaluation(residual, a, a, [], float(residual @ residual))
+
+    def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
+        return self.H, -self.J.T @ evaluation.distance
+
+
 def test_a_bent_valley_is_followed_to_its_end() -> None:
-    fit = refine(Valley(), np.array([-1.2, 1.0]), 100, 1e-12, 3)
+    fit = refine(Valley(), np.array([-1.2, 1.0]), Effort(100, 1e-12, 3))
     np.testing.assert_allclose(fit.coefficients, [1.0, 1.0], atol=1e-6)
     assert fit.steps < 50
 
 
 def test_no_more_steps_than_allowed_and_none_up() -> None:
     start = np.array([-1.2, 1.0])
-    values = [refine(Valley(), start, steps, 0.0, 1).evaluation.value for steps in (1, 2, 4, 8)]
+    fits = [refine(Valley(), start, Effort(steps, 0.0, 1)) for steps in (1, 2, 4, 8)]
+    assert [fit.steps for fit in fits] == [1, 2, 4, 8]
+    values = [fit.evaluation.value for fit in fits]
     assert values == sorted(values, reverse=True)
     assert values[0] < Valley().evaluate(start).value
 
 
+@pytest.mark.parametrize("patience", [1, 3])
+def test_it_ends_after_as_many_small_gains_in_succession_as_it_has_patience(patience: int) -> None:
+    # every step gains less than all of the value, so each of the first ones is too small for a tolerance of 1
+    fit = refine(Valley(), np.array([-1.2, 1.0]), Effort(100, 1.0, patience))
+    assert fit.steps == patience
+
+
 def test_at_the_minimum_nothing_moves() -> None:
-    fit = refine(Valley(), np.array([1.0, 1.0]), 10, 1e-3, 1)
+    fit = refine(Valley(), np.array([1.0, 1.0]), Effort(10, 1e-3, 1))
     assert fit.coefficients.tolist() == [1.0, 1.0]
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e6])
-def test_badly_scaled_equations_are_solved(scale: float) -> None:
+def test_the_size_of_the_variables_does_not_matter(scale: float) -> None:
     Q = np.linalg.qr(np.random.default_rng(0).normal(size=(6, 6)))[0]
-    H = (Q * np.geomspace(1.0, 1e-3, 6)) @ Q.T
-    s = np.geomspace(1.0, scale, 6)
-    x = np.ones(6)
-    solved = solve(H * s * s[:, None], (H * s * s[:, None]) @ x)
-    np.testing.assert_allclose(solved, x, atol=1e4 * EPS)
-    np.testing.assert_allclose(np.diag(unit_diagonal(H * s * s[:, None])[0]), 1.0, atol=4.0 * EPS)
+    J, s = Q * np.geomspace(1.0, 0.1, 6) @ Q.T, np.geomspace(1.0, scale, 6)
+    fit = refine(Linear(J * s, J @ np.ones(6)), np.zeros(6), Effort(1, 0.0, 1))
+    # one Gauss–Newton step, but for the first damping of 1e-6 relative to the diagonal, magnified by the condition
+    np.testing.assert_allclose(s * fit.coefficients, np.ones(6), atol=1e-3)
+    np.testing.assert_allclose(np.diag(unit_diagonal((J * s).T @ (J * s))[0]), 1.0, atol=4.0 * EPS)
 
 
 def test_singular_equations_have_a_solution() -> None:
-    H = np.ones((2, 2))
-    x = solve(H, np.array([2.0, 2.0]))
-    np.testing.assert_allclose(H @ x, [2.0, 2.0], atol=1e-6)
+    J = np.array([[1.0, 1.0]])
+    fit = refine(Linear(J, np.array([2.0])), np.zeros(2), Effort(5, 1e-12, 1))
+    np.testing.assert_allclose(J @ fit.coefficients, [2.0], atol=1e-6)
 
 
 def test_indefinite_equations_are_refused() -> None:
+    indefinite = Linear(np.eye(2), np.ones(2), np.array([[1.0, 2.0], [2.0, 1.0]]))
     with pytest.raises(ArithmeticError, match="positive definite"):
-        solve(np.array([[1.0, 2.0], [2.0, 1.0]]), np.ones(2))
+        refine(indefinite, np.zeros(2), Effort(1, 0.0, 1))
+
+
+def test_the_condition_is_that_of_the_jacobian_with_columns_of_length_1() -> None:
+    J = np.random.default_rng(0).normal(size=(40, 5)) * np.geomspace(1.0, 1e5, 5)
+    estimated, paper = condition(J.T @ J)
+    true = np.linalg.cond(J / np.linalg.norm(J, axis=0))
+    assert true / 3.0 < estimated < 3.0 * true  # LAPACK estimates in the 1-norm
+    diagonal = np.abs(np.diag(np.linalg.qr(J, mode="r")))
+    assert paper == pytest.approx(diagonal.max() / diagonal.min(), rel=1e-8)
+    assert condition(np.array([[1.0, 2.0], [2.0, 1.0]])) == (np.inf, np.inf)

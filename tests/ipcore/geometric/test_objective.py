@@ -4,7 +4,7 @@ import pytest
 from ipcore import shapes
 from ipcore._typing import FloatArray
 from ipcore.geometric.inside_outside import InsideOutside
-from ipcore.geometric.levenberg_marquardt import refine
+from ipcore.geometric.levenberg_marquardt import Effort, refine
 from ipcore.geometric.objective import DataTables, Objective
 from ipcore.geometric.sign_constraints import SignNodes, SignPoints
 from ipcore.polynomial import evaluation, graded
@@ -83,9 +83,9 @@ def test_refining_goes_down_to_an_exact_shape(d: int) -> None:
     shape = MADE[d]()
     phi, _, _ = objective(d, shape.polynomial.degree, 0.0)
     phi.signs = phi.signs[:1]
-    start = refine(phi, np.zeros(phi.columns), 8, 1e-2, 1).coefficients
+    start = refine(phi, np.zeros(phi.columns), Effort(8, 1e-2, 1)).coefficients
     phi.blend = 1.0
-    before, fit = phi.evaluate(start).value, refine(phi, start, 60, 1e-6, 3)
+    before, fit = phi.evaluate(start).value, refine(phi, start, Effort(60, 1e-6, 3))
     assert fit.evaluation.value < 1e-3 * before
     d_dist, d_smooth = phi.closeness(fit.evaluation)
     assert d_dist < 1e-3
@@ -98,9 +98,9 @@ def test_a_sign_that_is_asked_for_is_had() -> None:
     nodes = phi.signs[0]
     far = SignPoints(np.zeros((1, 2)), np.ones(1), np.full(1, 0.1), np.full(1, 1e3))  # outside, in the very middle
     phi.signs = [nodes]
-    inside = refine(phi, np.zeros(phi.columns), 20, 1e-6, 2)
+    inside = refine(phi, np.zeros(phi.columns), Effort(20, 1e-6, 2))
     phi.signs = [nodes, far]
-    forced = refine(phi, inside.coefficients, 40, 1e-6, 2)
+    forced = refine(phi, inside.coefficients, Effort(40, 1e-6, 2))
     assert inside.evaluation.shortfalls[0].max() < 0.1
     assert far.shortfall(tensor(phi, inside.coefficients))[0] > 0.1
     assert far.shortfall(tensor(phi, forced.coefficients))[0] < 0.01

@@ -3,7 +3,7 @@ import pytest
 
 from ipcore import shapes
 from ipcore.geometric.inside_outside import InsideOutside
-from ipcore.geometric.sign_constraints import BEYOND, SignNodes, SignPoints, lobatto
+from ipcore.geometric.sign_constraints import BOUNDS_GROWTH, SignNodes, SignPoints, lobatto
 from ipcore.polynomial import evaluation, graded, gram, univariate
 from ipcore.polynomial.univariate import Basis
 
@@ -26,7 +26,7 @@ def test_nodes_and_the_same_places_one_by_one_agree(d: int) -> None:
     places = SignPoints(t, grid.side.ravel(), grid.margin.ravel(), weights)
     tensor = evaluation.to_tensor(np.random.default_rng(0).normal(size=graded.count(d, DEGREE)), d, DEGREE)
     v, w = grid.shortfall(tensor), places.shortfall(tensor)
-    size = np.abs(tensor).sum() * BEYOND ** (4 * DEGREE)
+    size = np.abs(tensor).sum() * BOUNDS_GROWTH ** (4 * DEGREE)
     np.testing.assert_allclose(w, v.ravel(), atol=64.0 * EPS * size)
     assert (v > 0.0).any()
     assert places.cost(w) == pytest.approx(grid.cost(v), rel=1e-10)
@@ -54,7 +54,9 @@ def test_the_shape_itself_falls_short_nowhere() -> None:
     points, normals = shape.sample(300)
     bounds = shape.polynomial.bounds
     grid = SignNodes.of(InsideOutside(points, normals, bounds), bounds, 33, 10.0)
-    r = BEYOND * 1.4  # x² + y² − 1 in t on the bounds, x = 1.4 t: its slope at the circle is 2, and the margins' ½
+    r = (
+        BOUNDS_GROWTH * 1.4
+    )  # x² + y² − 1 in t on the bounds, x = 1.4 t: its slope at the circle is 2, and the margins' ½
     tensor = np.zeros((3, 3))
     tensor[0, 0], tensor[2, 0], tensor[0, 2] = 1.4**2 - 1.0, 1.4**2 / 2.0, 1.4**2 / 2.0
     assert r > 1.4

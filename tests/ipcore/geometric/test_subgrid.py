@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipcore._typing import FloatArray
-from ipcore.geometric.subgrid import specks
+from ipcore.geometric.subgrid import subgrid_components
 from ipcore.polynomial import evaluation, univariate
 from ipcore.polynomial.univariate import Basis
 
@@ -34,7 +34,7 @@ def test_a_ball_between_the_nodes_is_found_at_its_centre(d: int, sign: float) ->
     a = sign * tensor(centre, 0.02)
     f = on_grid(a, lines)
     assert (sign * f > 0.0).all()  # no node is inside
-    t, values = specks(a, lines, f, np.zeros(f.shape, dtype=np.bool_))
+    t, values = subgrid_components(a, lines, f, np.zeros(f.shape, dtype=np.bool_))
     np.testing.assert_allclose(t, [centre], atol=1e-13)
     np.testing.assert_allclose(values, [-sign * 0.02**2], atol=1e-14)
 
@@ -44,6 +44,6 @@ def test_a_minimum_that_does_not_reach_zero_is_none() -> None:
     a = tensor(np.array([0.33, -0.27]), 0.0)
     a[0, 0] += 1e-6
     f = on_grid(a, lines)
-    t, values = specks(a, lines, f, np.zeros(f.shape, dtype=np.bool_))
+    t, values = subgrid_components(a, lines, f, np.zeros(f.shape, dtype=np.bool_))
     assert t.shape == (0, 2)
     assert values.shape == (0,)

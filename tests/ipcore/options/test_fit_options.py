@@ -2,8 +2,9 @@ from typing import Any
 
 import pytest
 
+from ipcore.constraints.families import Constraints
 from ipcore.errors import InvalidOptionsError
-from ipcore.options.choices import Collinear, Constraints, Criterion
+from ipcore.options.choices import Collinear, Criterion
 from ipcore.options.fit_options import FitOptions
 from ipcore.polynomial.univariate import Basis
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ipcore.zero_set.cases import MIDDLE, cases
+from ipcore.zero_set.cases import LOOP_CENTRE, cases
 
 CUBE, SQUARE = cases(3), cases(2)
 RIM = [  # the edges round each face
@@ -39,7 +39,7 @@ def test_every_choice_on_ambiguous_faces_has_its_row() -> None:
 def test_corners_lie_on_just_the_crossed_edges() -> None:
     ends = [(low, low + (1 << (2 - axis))) for low, axis in CUBE.edges.tolist()]
     for inside, _, cells in rows():
-        used = {edge for cell in cells for edge in cell} - {MIDDLE}
+        used = {edge for cell in cells for edge in cell} - {LOOP_CENTRE}
         assert used == {e for e, (a, b) in enumerate(ends) if (inside >> a & 1) != (inside >> b & 1)}
 
 

@@ -13,7 +13,7 @@ from ipcore.polynomial.bernstein import ranges
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.extraction import extract, extract_pruned
-from ipcore.zero_set.marching import MARGIN
+from ipcore.zero_set.marching import EDGE_MARGIN
 from ipcore.zero_set.mesh import Mesh, cell_vectors
 from tests.ipcore.bumps import bumpy
 
@@ -77,9 +77,9 @@ def assert_cut_alike(ours: FloatArray, theirs: FloatArray) -> None:
     """Assert one to one the same vertices; scikit-image keeps no margin from the nodes, and computes in float32."""
     distance, place = cKDTree(ours).query(theirs)
     assert len(ours) == len(theirs) == len(np.unique(place))
-    assert np.max(distance) < MARGIN + 1e-4
+    assert np.max(distance) < EDGE_MARGIN + 1e-4
     fraction = np.abs(theirs - np.round(theirs)).max(axis=1)
-    assert np.max(np.asarray(distance)[fraction > 2 * MARGIN]) < 1e-4
+    assert np.max(np.asarray(distance)[fraction > 2 * EDGE_MARGIN]) < 1e-4
 
 
 def test_surface_is_cut_where_scikit_image_cuts_it() -> None:

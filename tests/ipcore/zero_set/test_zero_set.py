@@ -1,6 +1,7 @@
 """The zero set against what is known of circles, spheres, tori and their products."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -51,13 +52,13 @@ def moved(p: ImplicitPolynomial, shift: float, scale: float) -> ImplicitPolynomi
 
 
 def size(z: ZeroSet) -> float:
-    return float(np.linalg.norm(cell_vectors(z.vertices, z.cells), axis=1).sum())
+    return float(np.linalg.norm(z.cell_normals(), axis=1).sum())
 
 
 def content(z: ZeroSet) -> float:
     """Return the area or volume within, by the divergence theorem: negative if cells face inward."""
     middle = z.vertices[z.cells].mean(axis=1)
-    return float((middle * cell_vectors(z.vertices, z.cells)).sum()) / z.dimension
+    return float((middle * z.cell_normals()).sum()) / z.dimension
 
 
 def directed_edges(cells: IntArray) -> list[tuple[int, int]]:
@@ -125,15 +126,15 @@ def test_nodes_on_the_zero_set_collapse_no_cell(p: ImplicitPolynomial, bounds: F
     z = zero_set(p, bounds, resolution=9)  # grid lines at multiples of 0.5, with nodes (±1, 0, 0) and so on
     assert watertight(z)
     assert z.dimension == 2 or euler(z) == 2
-    assert np.linalg.norm(cell_vectors(z.vertices, z.cells), axis=1).min() > 0.0
+    assert np.linalg.norm(z.cell_normals(), axis=1).min() > 0.0
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("seed", range(4))
-def test_polishing_flips_nothing(dimension: int, seed: int) -> None:
+def test_newton_steps_flip_nothing(dimension: int, seed: int) -> None:
     p = bumpy(dimension, seed)
     z = zero_set(p, resolution=48, cap=False)
-    vectors = cell_vectors(z.vertices, z.cells)
+    vectors = z.cell_normals()
     spacing = float((p.bounds[1] - p.bounds[0]).max()) / 47
     weighty = np.linalg.norm(vectors, axis=1) > 1e-3 * spacing ** (dimension - 1)
     along = (vectors * z.normals[z.cells].mean(axis=1)).sum(axis=1)
@@ -142,7 +143,7 @@ def test_polishing_flips_nothing(dimension: int, seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_polishing_flips_nothing_where_the_grid_is_far_too_coarse(seed: int) -> None:
+def test_newton_steps_flip_nothing_where_the_grid_is_far_too_coarse(seed: int) -> None:
     p = bumpy(3, seed, height=2.0)
     axes = [np.linspace(low, high, 24) for low, high in p.bounds.T]
     rough = extract(p.on_grid(axes), axes)
@@ -177,7 +178,7 @@ def test_a_box_that_cuts_the_ball_gets_caps(corner: tuple[float, ...]) -> None:
     assert euler(z) == 2
     assert content(z) == pytest.approx(4 / 3 * np.pi / 2**cuts, rel=2e-3)
     cap = on_wall(z, bounds)
-    areas = np.linalg.norm(cell_vectors(z.vertices, z.cells), axis=1)
+    areas = np.linalg.norm(z.cell_normals(), axis=1)
     assert areas[cap].sum() == pytest.approx(cuts * np.pi / 2 ** (cuts - 1), rel=2e-3)
     assert areas[~cap].sum() == pytest.approx(4 * np.pi / 2**cuts, rel=2e-3)
     assert z.components == 1
@@ -196,7 +197,7 @@ def test_without_caps_the_surface_stays_open_and_its_rim_on_the_wall() -> None:
     assert np.abs(np.linalg.norm(rim, axis=1) - 1.0).max() < 1e-12
 
 
-def test_a_box_that_cuts_the_disc_gets_caps_round_its_corner() -> None:
+def test_a_box_that_cuts_the_disc_gets_caps_around_its_corner() -> None:
     bounds = np.array([[0.0, 0.0], [1.5, 1.5]])
     z = zero_set(CIRCLE, bounds)
     (outline,) = z.polylines()
@@ -226,6 +227,25 @@ def test_components_of_two_circles(drop: float, components: int) -> None:
     both = product(left, right, 1.5 * SQUARE)
     both.coefficients[0] -= drop  # at the origin, half way, the product is 0.5625² = 0.316
     assert zero_set(both).components == components
+
+
+def test_vertices_of_two_circles_lie_in_two_components_and_a_vertex_of_no_cell_in_its_own() -> None:
+    left, right = (polynomial({(0, 0): 1.25**2 - 1, (1, 0): s * 2.5, (2, 0): 1, (0, 2): 1}, SQUARE) for s in (1, -1))
+    z = zero_set(product(left, right, 1.5 * SQUARE))
+    component = z.vertex_components()
+    east = z.vertices[:, 0] > 0.0
+    assert len(np.unique(component[east])) == len(np.unique(component[~east])) == 1
+    assert len(np.unique(component)) == 2
+    one = replace(z, cells=z.cells[east[z.cells[:, 0]]])
+    assert len(np.unique(one.vertex_components())) == 1 + (~east).sum()
+
+
+def test_cells_near_the_data_are_those_that_a_restricted_zero_set_keeps() -> None:
+    data = ring(300, -0.5, np.pi)
+    whole, part = zero_set(CIRCLE, restrict=False), zero_set(CIRCLE, data=data)
+    near = whole.cells_near(data)
+    assert 0 < near.sum() == len(part.cells) < len(whole.cells)
+    assert np.isclose(np.linalg.norm(whole.cell_normals()[near], axis=1).sum(), size(part), rtol=1e-14)
 
 
 def test_components_do_not_join_along_the_box() -> None:
@@ -273,7 +293,7 @@ def test_restriction_keeps_a_cap_only_if_its_rim_stays(whole: bool) -> None:  # 
 
 
 @pytest.mark.parametrize(("count", "expected"), [(1000, SUPPORT_RADII[2]), (12, 2.5 * 2.0 * np.sin(np.pi / 12))])
-def test_near_is_a_share_of_the_radius_or_some_spacings(count: int, expected: float) -> None:
+def test_the_support_radius_is_a_share_of_the_mean_radius_or_some_spacings(count: int, expected: float) -> None:
     data = ring(count)
     assert support_radius(data, 1.0) == pytest.approx(expected, rel=1e-12)
     assert support_radius(37.0 * data + 1000.0, 37.0) == pytest.approx(37.0 * expected, rel=1e-12)

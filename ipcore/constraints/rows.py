@@ -1,6 +1,6 @@
-r"""What a constraint family yields: rows of M a = b, one per point in every group.
+r"""The rows of M a = b that a constraint family makes of N points: groups of N rows, one row per point in each group.
 
-A row asks for f itself or for one partial derivative, at a position that belongs to a data point:
+A row states a value of f itself or of one partial derivative, at a position p that belongs to a data point:
 
     w f(p) = w b    or    w ∂_k f(p) = w b
 
@@ -19,18 +19,18 @@ from ipcore._typing import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class RowGroup:
-    """One row per point.
+    """N rows, one per point, all of the same kind.
 
     Attributes
     ----------
     positions
-        (N, d), in the normalised frame.
+        (N, d), where f or its derivative is taken, in the normalised frame.
     b
-        (N,), what is asked for, before it is weighted.
+        (N,), the value that the row states, before it is multiplied by the weight.
     axis
-        k of ∂_k f; None asks for f itself.
+        k of ∂_k f; None if the row states a value of f itself.
     weight
-        w, by which row and right-hand side are multiplied.
+        w, the factor of both sides of the row.
 
     """
 
@@ -47,10 +47,10 @@ class Rows:
     Attributes
     ----------
     groups
-        In the order in which they stand in M.
+        The groups of rows, in the order in which they stand in M.
     gradient_length
-        Gives, for a degree, by how much the right-hand sides of the derivatives are multiplied at each point, (N,):
-        for families that ask for another ‖∇f‖ at every degree. M does not depend on it.
+        A function from the degree of the fit to factors (N,), one per point, by which the right-hand sides of the
+        derivative rows are multiplied; None if they do not depend on the degree. M never depends on it.
 
     """
 
@@ -65,11 +65,11 @@ class Rows:
         )
 
 
-def layers(points: FloatArray, normals: FloatArray, offsets: tuple[float, ...]) -> tuple[RowGroup, ...]:
-    """Return rows f(x_i + o n_i) = o, one group per offset o."""
+def layer_rows(points: FloatArray, normals: FloatArray, offsets: tuple[float, ...]) -> tuple[RowGroup, ...]:
+    """Return the rows f(x_i + o n_i) = o, one group per offset o; points and normals (N, d), offsets in mean radii."""
     return tuple(RowGroup(points + o * normals, np.full(len(points), o)) for o in offsets)
 
 
-def gradients(points: FloatArray, target: FloatArray, weight: float) -> tuple[RowGroup, ...]:
-    """Return rows ∂_k f(x_i) = target_ik, one group per axis; `weight` is that of the squared error."""
-    return tuple(RowGroup(points, target[:, k], k, np.sqrt(weight)) for k in range(points.shape[1]))
+def gradient_rows(points: FloatArray, gradients: FloatArray, weight: float) -> tuple[RowGroup, ...]:
+    """Return the rows √μ ∂_k f(x_i) = √μ g_ik, one group per axis k; points and g (N, d), `weight` μ."""
+    return tuple(RowGroup(points, gradients[:, k], k, np.sqrt(weight)) for k in range(points.shape[1]))

@@ -4,12 +4,11 @@ import sys
 from datetime import UTC, datetime
 from itertools import count
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.cost import SHORT, predicted_seconds
-from service.jobs.fit import Fit, FitStatus, PointSetRef
+from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus, PointSetRef
+from service.jobs.requested_options import RequestedOptions
 from service.queue.fair_queue import FairQueue
 
 NAMES = count()
@@ -19,23 +18,23 @@ COSTS = st.floats(0.05, 100.0)
 
 def fit(client: str, cost: float) -> Fit:
     name = f"{client} {next(NAMES)}"
-    return Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), {}, datetime.now(UTC), client, cost)
+    return Fit(name, FitStatus.ACCEPTED, PointSetRef("", 3, 9), RequestedOptions({}), datetime.now(UTC), client, cost)
 
 
-def served(line: FairQueue, *, short: bool = False) -> list[str]:
-    """Return everything that is in line, in its turn."""
+def served(queue: FairQueue, *, short: bool = False) -> list[str]:
+    """Return everything that is in queue, in its turn."""
     taken = []
-    while (one := line.take(short=short)) is not None:
+    while (one := queue.take(short=short)) is not None:
         taken.append(one)
     return taken
 
 
 @given(st.lists(st.tuples(st.sampled_from("abc"), COSTS), max_size=40))
 def test_everybody_is_served_once_and_a_clients_own_fits_in_order(sent: list[tuple[str, float]]) -> None:
-    line, fits = FairQueue(), [fit(client, cost) for client, cost in sent]
+    queue, fits = FairQueue(), [fit(client, cost) for client, cost in sent]
     for one in fits:
-        line.join(one)
-    taken = served(line)
+        queue.add(one)
+    taken = served(queue)
     assert sorted(taken) == sorted(one.id for one in fits)
     for client in "abc":
         assert [name for name in taken if name[0] == client] == [one.id for one in fits if one.client == client]
@@ -43,15 +42,15 @@ def test_everybody_is_served_once_and_a_clients_own_fits_in_order(sent: list[tup
 
 @given(st.lists(COSTS, min_size=20, max_size=20), st.lists(COSTS, min_size=20, max_size=20))
 def test_while_two_clients_wait_neither_gets_more_than_one_fit_ahead(a: list[float], b: list[float]) -> None:
-    line, cost, had = FairQueue(), {}, {"a": 0.0, "b": 0.0}
+    queue, cost, had = FairQueue(), {}, {"a": 0.0, "b": 0.0}
     for client, costs in (("a", a), ("b", b)):
         for seconds in costs:
             one = fit(client, seconds)
             cost[one.id] = seconds
-            line.join(one)
+            queue.add(one)
     left = {"a": 20, "b": 20}
     while all(left.values()):
-        taken = line.take()
+        taken = queue.take()
         assert taken is not None
         had[taken[0]] += cost[taken]
         left[taken[0]] -= 1
@@ -60,53 +59,41 @@ def test_while_two_clients_wait_neither_gets_more_than_one_fit_ahead(a: list[flo
 
 
 def test_a_client_that_comes_late_is_not_paid_for_the_time_before() -> None:
-    line = FairQueue()
+    queue = FairQueue()
     for _ in range(10):
-        line.join(fit("early", 10.0))
+        queue.add(fit("early", 10.0))
     for _ in range(6):
-        line.take()
+        queue.take()
     for _ in range(4):
-        line.join(fit("late", 10.0))
-    assert [name[0] for name in served(line)] in (list("lelelele"), list("elelelel"))
+        queue.add(fit("late", 10.0))
+    assert [name[0] for name in served(queue)] in (list("lelelele"), list("elelelel"))
 
 
 def test_no_stream_of_new_clients_keeps_one_waiting_for_good() -> None:
-    line = FairQueue()
+    queue = FairQueue()
     patient = [fit("patient", 10.0) for _ in range(2)]
     for one in patient:
-        line.join(one)
+        queue.add(one)
     taken = []
     for i in range(100):
-        line.join(fit(f"new {i}", 10.0))
-        taken.append(line.take())
+        queue.add(fit(f"new {i}", 10.0))
+        taken.append(queue.take())
     assert patient[1].id in taken
 
 
 def test_the_short_lane_takes_short_fits_only() -> None:
-    line = FairQueue()
-    sent = [fit("a", SHORT * 2), fit("a", SHORT), fit("b", SHORT / 2)]
+    queue = FairQueue()
+    sent = [fit("a", SHORT_SECONDS * 2), fit("a", SHORT_SECONDS), fit("b", SHORT_SECONDS / 2)]
     for one in sent:
-        line.join(one)
-    assert sorted(served(line, short=True)) == sorted(one.id for one in sent[1:])
-    assert served(line) == [sent[0].id]
+        queue.add(one)
+    assert sorted(served(queue, short=True)) == sorted(one.id for one in sent[1:])
+    assert served(queue) == [sent[0].id]
 
 
 def test_who_left_is_not_served() -> None:
-    line, one, other = FairQueue(), fit("a", 1.0), fit("a", 1.0)
+    queue, one, other = FairQueue(), fit("a", 1.0), fit("a", 1.0)
     for each in (one, other):
-        line.join(each)
-    line.leave(one)
-    line.leave(one)
-    assert served(line) == [other.id]
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_a_fit_of_more_points_or_a_higher_degree_takes_longer(dimension: int) -> None:
-    linear = [
-        predicted_seconds(dimension, n, {"max_degree": k, "geometric": False})
-        for n, k in [(1000, 5), (2000, 5), (2000, 10)]
-    ]
-    assert linear == sorted(set(linear))
-    geometric = [predicted_seconds(dimension, 1000, {"max_degree": k}) for k in (5, 10)]
-    assert geometric == sorted(set(geometric))
-    assert predicted_seconds(dimension, 10, {"max_degree": 40}) < SHORT  # few points cannot fill many columns
+        queue.add(each)
+    queue.remove(one)
+    queue.remove(one)
+    assert served(queue) == [other.id]

@@ -7,7 +7,8 @@ import pytest
 import ipcore
 from ipcore import Constraints, FitOptions, shapes
 from ipcore._typing import FloatArray
-from ipcore.linear.constraints import families, min_max, min_var
+from ipcore.constraints import min_max, min_var
+from ipcore.constraints.family import RowParameters
 from ipcore.linear.dense import LeastSquaresFit
 from ipcore.linear.design_matrix import System
 from ipcore.points.oriented import OrientedPoints
@@ -103,7 +104,7 @@ def test_gradient_lengths_are_norms_of_all_monomials(module: ModuleType, order: 
 def test_the_incremental_solve_is_the_direct_one(family: Constraints, make: Callable[[], Shape]) -> None:
     data, options = oriented(make), FitOptions(constraints=family)
     d = data.points.shape[1]
-    rows = families.rows(data.points, data.normals, options)
+    rows = options.family.rows(data.points, data.normals, options.row_parameters)
     M = System(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(d, 6))
     fit = LeastSquaresFit(data, options, 6)
     for degree in (2, 5, 6):
@@ -121,7 +122,7 @@ def test_rows_are_what_they_say(kind: Basis, make: Callable[[], Shape]) -> None:
     data = oriented(make, 50)
     d, mu = data.points.shape[1], 0.3
     options = FitOptions(constraints=Constraints.THREE_LAYER_GRADIENT, gradient_weight=mu)
-    rows = families.rows(data.points, data.normals, options)
+    rows = options.family.rows(data.points, data.normals, options.row_parameters)
     M = System(rows, kind, data.bounds, 5).columns(0, graded.count(d, 5))
     a: FloatArray = np.random.default_rng(1).normal(size=(M.shape[1],))
     f = data.polynomial(5, a, kind)
@@ -133,7 +134,7 @@ def test_rows_are_what_they_say(kind: Basis, make: Callable[[], Shape]) -> None:
 def test_gradient_rows_along_axes_are_those_along_normal_and_tangents() -> None:
     data = oriented(shapes.superellipse)
     options = FitOptions(constraints=Constraints.GRADIENT_ONE)
-    rows = families.rows(data.points, data.normals, options)
+    rows = options.family.rows(data.points, data.normals, options.row_parameters)
     M = System(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(2, 6))
     f, gx, gy = np.split(M, 3)
     n, w = data.normals, np.sqrt(options.gradient_weight)
@@ -168,3 +169,34 @@ def test_what_holds_the_gradient_keeps_it_at_high_degree(family: Constraints) ->
 
     assert smooth(Constraints.THREE_LAYER) < 0.9
     assert smooth(family) > 0.99
+
+
+@pytest.mark.parametrize("family", Constraints)
+@pytest.mark.parametrize("make", [shapes.superellipse, shapes.torus])
+def test_a_family_says_of_its_rows_what_is_true_of_them(family: Constraints, make: Callable[[], Shape]) -> None:
+    data = oriented(make, 40)
+    d, asked = data.points.shape[1], family.family
+
+    def system(distance: float, weight: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        rows = asked.rows(data.points, data.normals, RowParameters(distance, weight))
+        M = System(rows, Basis.MONOMIAL, data.bounds, 3).columns(0, graded.count(d, 3))
+        return M, rows.b(1), rows.b(3)
+
+    M, b1, b3 = system(0.05, 0.3)
+    assert len(M) == len(b1) == asked.rows_per_point(d) * len(data.points)
+    assert asked.rhs_depends_on_degree is not np.array_equal(b1, b3)
+    assert asked.uses_layer_distance is not np.array_equal(M, system(0.1, 0.3)[0])
+    assert asked.uses_gradient_weight is not np.array_equal(M, system(0.05, 0.6)[0])
+    assert asked.is_least_squares is bool(b1.any())
+
+
+@pytest.mark.parametrize("family", Constraints)
+def test_offsets_of_layers_are_all_that_a_layered_family_has(family: Constraints) -> None:
+    data = oriented(shapes.torus, 20)
+    rows = family.family.rows(data.points, data.normals, RowParameters(0.05, 0.3))
+    layered = all(group.axis is None for group in rows.groups)
+    offsets = family.family.layer_offsets(0.05)
+    assert bool(offsets) is layered
+    for offset, group in zip(offsets, rows.groups, strict=layered):
+        np.testing.assert_array_equal(group.positions, data.points + offset * data.normals)
+        np.testing.assert_array_equal(group.b, np.full(len(data.points), offset))

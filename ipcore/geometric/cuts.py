@@ -1,0 +1,134 @@
+"""Cuts: the sign constraints that remove the violations which a grid has found.
+
+Three kinds of violation get cuts.
+
+- Nodes near a suspect node where f has the wrong sign, or the right one with too little margin: the right sign there.
+- Minor regions. A minor region is either wrong as a whole, or it is right but cut off from the main region of its sign,
+  where a part of the shape (or of the space beside it) is thinner than the blind radius. A region that is right is
+  joined: the shortest path to the main region gets its sign. If every such path leads through places that are surely on
+  the other side, the region is a part of its own, and no violation. A region within the blind radius, where no side is
+  known, gets the other sign.
+- Components smaller than a cell: the known side of their place, or the sign of the nodes around if no side is known.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, partial
+
+import numpy as np
+from scipy import ndimage
+
+from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore.geometric.inside_outside import InsideOutside
+from ipcore.geometric.violations import ViolationGrid, Violations
+
+# Tuned on the shapes of bench/QUALITY.md, see `ipcore.geometric.fit`. Margins are in units of f, whose slope near the
+# data is 1 per mean radius.
+SUSPECT_GROWTH = 2  # nodes around a suspect node that are examined with it
+CUT_SLOPE = 0.25  # margin per distance, half of that of the grid's nodes: late constraints must be possible to meet
+LARGEST_CUT_MARGIN = 0.02
+UNKNOWN_SIDE_MARGIN = 0.002  # where no side is known
+PATH_SLACK, PATH_TRIALS = 2.0, 20  # cells by which a path may exceed the shortest, and the number of paths tried
+
+# Returns the distance of every node to the main region, in cells, and its nearest node there: see `_to_nearest`.
+ToMain = Callable[[], tuple[FloatArray, IntArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """M sign constraints: places t (M, d) in the Chebyshev variables, the side (M,) of each and its margin (M,)."""
+
+    t: FloatArray
+    side: FloatArray
+    margin: FloatArray
+
+
+def cuts(found: Violations, grid: ViolationGrid, sides: InsideOutside) -> Cuts | None:
+    """Return the cuts that remove the violations, or None if nothing is known to be wrong."""
+    zone = _grown(found.suspect)
+    t, f = grid.places(zone), found.f[zone]
+    located = sides.classify(grid.local(t))
+    side = np.zeros(found.f.shape)
+    side[zone] = located.side
+    parts = [*_region_cuts(found, side, grid, sides), *_subgrid_cuts(found, grid, sides)]
+    if not parts and not bool((located.side * f < 0.0).any()):
+        return None
+    margin = np.minimum(CUT_SLOPE * located.distance, LARGEST_CUT_MARGIN)
+    short = (located.side != 0.0) & (located.side * f < margin)
+    parts.append(Cuts(t[short], located.side[short], margin[short]))
+    joined = [np.concatenate(column) for column in zip(*((p.t, p.side, p.margin) for p in parts), strict=True)]
+    return Cuts(*joined)
+
+
+def _grown(mask: BoolArray) -> BoolArray:
+    """Return a mask (N, …) with the nodes that are up to `SUSPECT_GROWTH` steps along the axes away from it."""
+    for _ in range(SUSPECT_GROWTH):
+        grown = mask.copy()
+        for axis in range(mask.ndim):
+            rows, out = np.moveaxis(mask, axis, 0), np.moveaxis(grown, axis, 0)
+            out[1:] |= rows[:-1]
+            out[:-1] |= rows[1:]
+        mask = grown
+    return mask
+
+
+def _region_cuts(found: Violations, side: FloatArray, grid: ViolationGrid, sides: InsideOutside) -> list[Cuts]:
+    """Return the cuts that remove minor regions or join them; `side` (N, …) is the known side of the nodes, or 0."""
+    out = []
+    for sign in (-1.0, 1.0):
+        same_sign = (found.f < 0.0) == (sign < 0.0)
+        labels, count = ndimage.label(found.minor & same_sign)
+        nodes = np.flatnonzero(labels)
+        label, known = labels.ravel()[nodes], side.ravel()[nodes]
+        agreement = np.bincount(label, sign * known, count + 1)
+        nodes_with_side = np.bincount(label, known != 0.0, count + 1)
+        to_main = cache(partial(_to_nearest, same_sign & ~found.minor))  # few regions need it; then often several do
+        for k in range(1, count + 1):
+            region: BoolArray = labels == k
+            if nodes_with_side[k] == 0.0:
+                out.append(_uniform_cuts(grid.places(region), -sign))
+            elif agreement[k] > 0.0:
+                t = _path_to_main(region, to_main, sign, grid, sides)
+                if t is not None:
+                    out.append(_uniform_cuts(t, sign))
+    return out
+
+
+def _subgrid_cuts(found: Violations, grid: ViolationGrid, sides: InsideOutside) -> list[Cuts]:
+    """Return the cuts that remove components smaller than a cell, as a list of one, or of none."""
+    known = sides.classify(grid.local(found.subgrid)).side
+    side = np.where(known == 0.0, -np.sign(found.subgrid_values), known)
+    wrong = side * found.subgrid_values < 0.0
+    return [Cuts(found.subgrid[wrong], side[wrong], np.full(wrong.sum(), UNKNOWN_SIDE_MARGIN))] if wrong.any() else []
+
+
+def _uniform_cuts(t: FloatArray, side: float) -> Cuts:
+    """Return cuts with the same side at all places t (M, d), with the margin of an unknown side."""
+    return Cuts(t, np.full(len(t), side), np.full(len(t), UNKNOWN_SIDE_MARGIN))
+
+
+def _to_nearest(region: BoolArray) -> tuple[FloatArray, IntArray]:
+    """Return for each node its distance to a region (N, …), in cells, (N, …), and the nearest node, (d, N, …)."""
+    away, nearest = ndimage.distance_transform_edt(~region, return_indices=True)
+    return away, nearest.astype(np.intp)
+
+
+def _path_to_main(
+    region: BoolArray, to_main: ToMain, sign: float, grid: ViolationGrid, sides: InsideOutside
+) -> FloatArray | None:
+    """Return places (M, d) on a straight path from a region (N, …) to the main region of its sign, or None.
+
+    No place on the path is surely on the other side. Paths begin at those nodes of the region that are nearly as near
+    to the main region as the nearest one is; the first path that qualifies is returned.
+    """
+    away, nearest = to_main()
+    nodes = np.argwhere(region)
+    order = np.argsort(away[region], kind="stable")
+    close = order[away[region][order] <= away[region].min() + PATH_SLACK]
+    for start in nodes[close[:: max(1, len(close) // PATH_TRIALS)]]:
+        end = nearest[(slice(None), *start)]
+        share = np.linspace(0.0, 1.0, 2 * int(np.abs(end - start).max()) + 1)[:, None]
+        t = grid.lines[0] + (start + share * (end - start)) * (grid.lines[1] - grid.lines[0])
+        if not bool((sides.classify(grid.local(t)).side * sign < 0.0).any()):
+            return np.asarray(t)
+    return None

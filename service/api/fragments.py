@@ -1,0 +1,56 @@
+"""Parts of the OpenAPI document that FastAPI cannot derive from the signatures of the routes."""
+
+from typing import Any
+
+from service.api.openapi import problem, reference
+from service.api.parameters import LONGEST_KEY
+from service.jobs.media_types import JSON, POINT_SET_FORMATS, ZERO_SET_FORMATS
+
+BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
+# The content of a response with the file of a zero set.
+ZERO_SET_FILES: dict[str, Any] = {name: BINARY for known in ZERO_SET_FORMATS for name in known.media_types}
+
+PREFER = {
+    "name": "Prefer",
+    "in": "header",
+    "description": "`wait=N`: answer after at most N seconds. `respond-async`: answer at once (RFC 7240).",
+    "schema": {"type": "string"},
+    "examples": {"wait": {"value": "wait=10"}, "at once": {"value": "respond-async"}},
+}
+IF_NONE_MATCH = {
+    "name": "If-None-Match",
+    "in": "header",
+    "description": "The ETag of an earlier answer: 304 if nothing has changed.",
+    "schema": {"type": "string"},
+}
+IDEMPOTENCY_KEY = {
+    "name": "Idempotency-Key",
+    "in": "header",
+    "description": "Any unique text. A request that is sent again with the same key gets the fit of the first; with "
+    "the same key and another point set or other options, 422.",
+    "schema": {"type": "string", "maxLength": LONGEST_KEY},
+}
+POINT_SET_BODY = {
+    "required": True,
+    "description": "JSON, or an npy file of N rows: 2 or 3 columns are points, 4 or 6 points and outward normals.",
+    "content": {
+        known.media_type: {"schema": reference("FitRequest")} if known is JSON else BINARY
+        for known in POINT_SET_FORMATS
+    },
+}
+
+_PROBLEMS: dict[int | str, dict[str, Any]] = {
+    400: problem("The body is not what its media type says."),
+    404: problem("There is no such fit."),
+    406: problem("The zero set cannot be had in that format."),
+    409: problem("The fit has not ended, or ended without a result."),
+    413: problem("The body, the points or the system are over a limit of this server."),
+    415: problem("The body is of a media type or an encoding that is not read here."),
+    422: problem("The point set cannot be fitted, or an option or a parameter has a value that is not allowed."),
+    503: problem("The server is stopping, its queue is full, its store fails, or the work took too long."),
+}
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Return the descriptions of the error responses with these statuses."""
+    return {status: _PROBLEMS[status] for status in statuses}

@@ -1,0 +1,92 @@
+"""The parameters of the fit routes: path, query and headers."""
+
+from math import isfinite
+from typing import Annotated
+
+from fastapi import Path, Query, Request
+from pydantic import Field
+
+from service.choices import OneOf
+from service.jobs.errors import InvalidInputError
+from service.jobs.media_types import POINT_SET_FORMATS, ZERO_SET_FORMATS, zero_set_formats
+from service.options import FitOptions
+
+LONGEST_KEY = 200  # characters of an Idempotency-Key
+
+
+class FitQuery(FitOptions):
+    """The query of `POST /v1/fits`: options, and the format of the body."""
+
+    format: Annotated[str, OneOf(known.name for known in POINT_SET_FORMATS)] | None = Field(
+        None, description="What the body is; wins over Content-Type."
+    )
+
+
+def _names(dimension: int) -> str:
+    return ", ".join(known.name for known in zero_set_formats(dimension))
+
+
+FitId = Annotated[str, Path(description="The id that POST /v1/fits gave.")]
+ZeroSetFormatName = Annotated[
+    Annotated[str, OneOf(known.name for known in ZERO_SET_FORMATS)] | None,
+    Query(description=f"The file kind; wins over Accept. 3D: {_names(3)}. 2D: {_names(2)}."),
+]
+Resolution = Annotated[int | None, Query(ge=4, description="Grid points along the longest axis.")]
+Bounds = Annotated[
+    str | None,
+    Query(
+        description="Lower, then upper corner: 4 (2D) or 6 (3D) numbers with commas between, caller's coordinates. "
+        "Default: the fit's own bounds.",
+        examples=["-1,-1,1,1"],
+    ),
+]
+Extent = Annotated[
+    str,
+    OneOf(["data", "bounds"]),
+    Query(description="`data` leaves out what lies away from the points; `bounds` keeps everything in the bounds."),
+]
+
+
+def corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the lower and the upper corner, d numbers each, from the text `x,y,…,X,Y,…`.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not 2d finite numbers, or a lower one is not below its upper one.
+
+    >>> corners("-1,-2,3,4", 2)
+    ((-1.0, -2.0), (3.0, 4.0))
+    """
+    try:
+        numbers = tuple(float(part) for part in bounds.split(","))
+    except ValueError:
+        numbers = ()
+    lower, upper = numbers[:dimension], numbers[dimension:]
+    ordered = len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))
+    if not ordered or not all(map(isfinite, numbers)):
+        raise InvalidInputError(
+            f"bounds must be {2 * dimension} finite numbers with commas between, every lower one below its upper one",
+            ("bounds",),
+        )
+    return lower, upper
+
+
+def idempotency_key(request: Request) -> str | None:
+    """Return the Idempotency-Key of a request, or None if it has none.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is empty or too long.
+
+    """
+    key = request.headers.get("idempotency-key")
+    if key is not None and not 0 < len(key) <= LONGEST_KEY:
+        raise InvalidInputError(f"an Idempotency-Key has 1 to {LONGEST_KEY} characters")
+    return key
+
+
+def client_address(request: Request) -> str:
+    """Return the address that the connection comes from; the queue is fair between addresses."""
+    return request.client.host if request.client is not None else ""
