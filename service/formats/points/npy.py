@@ -56,7 +56,7 @@ def split(table: Array, options: ReadOptions) -> tuple[Array, Array | None]:
     if names is None:
         if options.columns is not None:
             return columns.chosen(options.columns, table.shape[1]).split(table)
-        return columns.from_values(table).split(table)
+        return columns.from_values(table, unit=False).split(table)
     if options.columns is not None:
         found = columns.chosen(options.columns, len(names))
     else:
