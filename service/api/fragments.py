@@ -32,7 +32,8 @@ IDEMPOTENCY_KEY = {
 }
 POINT_SET_BODY = {
     "required": True,
-    "description": "JSON, or an npy file of N rows: 2 or 3 columns are points, 4 or 6 points and outward normals.",
+    "description": "JSON; or an npy file or a CSV table of N rows, whose columns a header or `columns` names. "
+    "Without names, 2 or 3 columns are points, and 4 or 6 are points and outward normals of one length.",
     "content": {
         known.media_type: {"schema": reference("FitRequest")} if known is JSON else BINARY
         for known in POINT_SET_FORMATS

@@ -8,17 +8,32 @@ from pydantic import Field
 
 from service.choices import OneOf
 from service.jobs.errors import InvalidInputError
-from service.jobs.media_types import POINT_SET_FORMATS, ZERO_SET_FORMATS, zero_set_formats
+from service.jobs.media_types import POINT_SET_FORMATS, ZERO_SET_FORMATS, Missing, zero_set_formats
 from service.options import FitOptions
 
 LONGEST_KEY = 200  # characters of an Idempotency-Key
 
 
+# The parameters of FitQuery that say how to read the body; the others are options of the fit.
+READING = {"format", "columns", "missing"}
+
+
 class FitQuery(FitOptions):
-    """The query of `POST /v1/fits`: options, and the format of the body."""
+    """The query of `POST /v1/fits`: options, and how to read the body."""
 
     format: Annotated[str, OneOf(known.name for known in POINT_SET_FORMATS)] | None = Field(
         None, description="What the body is; wins over Content-Type."
+    )
+    columns: str | None = Field(
+        None,
+        description="What each column of a table or an npy array holds, in order: `x`, `y`, `z`, `nx`, `ny`, `nz`, or "
+        "`_` for a column to ignore. Default: as its header says, else by the rules in docs/input.md.",
+        examples=["x,y,z,_"],
+    )
+    missing: Missing = Field(
+        "refuse",
+        description="`refuse` refuses a point with a value that is missing or not finite; `drop` leaves such points "
+        "out.",
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import orjson
 import typer
@@ -17,7 +17,7 @@ from service.formats.points import decode, files
 from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
 from service.jobs.fit import PointSet
-from service.jobs.media_types import zero_set_formats
+from service.jobs.media_types import Missing, zero_set_formats
 
 MAX_POINTS = 10_000_000
 
@@ -42,7 +42,7 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
         str | None, typer.Option(help="What the columns of a table hold, in order: x,y,z,nx,ny,nz; _ ignores one.")
     ] = None,
     missing: Annotated[
-        Literal["refuse", "drop"], typer.Option(help="Whether a point with a missing value is refused or left out.")
+        Missing, typer.Option(help="Whether a point with a missing value is refused or left out.")
     ] = "refuse",
     *,
     options: ipcore.FitOptions,

@@ -4,6 +4,10 @@ This is the one list: the OpenAPI document, content negotiation, the command lin
 """
 
 from dataclasses import dataclass
+from typing import Literal
+
+# Whether a point with a value that is missing is refused or left out.
+Missing = Literal["refuse", "drop"]
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class ZeroSetFormat:
 
 
 JSON = PointSetFormat("json", "application/json")
-POINT_SET_FORMATS = (JSON, PointSetFormat("npy", "application/x-npy"))
+POINT_SET_FORMATS = (JSON, PointSetFormat("npy", "application/x-npy"), PointSetFormat("csv", "text/csv"))
 # The first of each dimension is sent to a caller who does not name a format.
 ZERO_SET_FORMATS = (
     ZeroSetFormat("glb", 3, ("model/gltf-binary",)),

@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 import ipcore
 from service.jobs.fit import Failure, Fit, FitStatus, PointSet
 from service.jobs.lease_holder import LeaseHolder
+from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 
 T = TypeVar("T")
@@ -153,8 +154,13 @@ class FitQueue(Protocol):
 class Reader(Protocol):
     """Reads point sets from the bodies of requests."""
 
-    async def read(self, body: bytes | Path, kind: str) -> PointSet:
+    async def read(
+        self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
+    ) -> PointSet:
         """Read a body, or the file that holds it, in the format `kind`, and check it.
+
+        `columns` says what each column of a table holds; `missing`, whether a point with a missing value is refused or
+        left out.
 
         Raises
         ------

@@ -16,6 +16,7 @@ from service.jobs.errors import (
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, PointSet
+from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.new_fit import new_fit
 from service.jobs.parts import split
@@ -43,9 +44,11 @@ class FitService:
         self._store, self._blobs, self._queue = store, blobs, queue
         self._reader, self._exporter, self._planner, self._split_points = reader, exporter, planner, split_points
 
-    async def read(self, body: bytes | Path, kind: str) -> PointSet:
+    async def read(
+        self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
+    ) -> PointSet:
         """Read and check the body of a request, in the format `kind`; nothing is accepted yet."""
-        return await self._reader.read(body, kind)
+        return await self._reader.read(body, kind, columns=columns, missing=missing)
 
     def plan(self, points: PointSet, requested: RequestedOptions) -> ipcore.Plan:
         """Return what a fit will take; nothing is accepted yet.

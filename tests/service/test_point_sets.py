@@ -42,7 +42,7 @@ def described(shape: str = "(20, 2)", kind: str = "'<f8'", order: str = "False")
 
 @pytest.mark.parametrize(
     "table",
-    [ellipse(), sphere()[:, :3], sphere(), np.hstack([ellipse(), 0.42 * (ellipse() - [2.5, 1.0]) / [1.0, 0.72]])],
+    [ellipse(), sphere()[:, :3], sphere(), np.hstack([ellipse(), 8.0 * (ellipse() - [2.5, 1.0]) / [1.0, 0.72]])],
 )
 def test_what_was_read_splits_into_what_was_sent(table: Array) -> None:
     found = read(npy(table), "npy")

@@ -15,7 +15,7 @@ from service.api.fragments import (
     ZERO_SET_FILES,
     problems,
 )
-from service.api.parameters import FitId, FitQuery, client_address, idempotency_key
+from service.api.parameters import READING, FitId, FitQuery, client_address, idempotency_key
 from service.api.preferences import DEFAULT_WAIT, Preferences
 from service.api.representation import fit_response, zero_set_response
 from service.api.schemas import FitResource
@@ -45,8 +45,8 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     fits, limits = context.fits, context.limits
     sent = negotiation.point_set_format(request, query.format)
     async with body.received(request, limits.body_bytes, context.incoming) as content:
-        points = await fits.read(content, sent)
-    options = requested(points.options, query.model_dump(exclude_unset=True, exclude={"format"}))
+        points = await fits.read(content, sent, columns=query.columns, missing=query.missing)
+    options = requested(points.options, query.model_dump(exclude_unset=True, exclude=READING))
     options = limits.capped(points.dimension, options)
     plan = fits.plan(points, options)
     limits.check_system(points, plan)

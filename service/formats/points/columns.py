@@ -5,7 +5,8 @@ In this order:
 1. The caller's option `columns` decides.
 2. Else names decide: a header, or the field names of a structured array.
 3. Else two or three columns are points; four (2D) or six (3D) are points and normals when the second half has unit
-   length within 10 %. Whole numbers from 0 to 255 in the second half are colours, not normals.
+   length within 10 %; in an array, whose format says that they are points and normals, one length of any size. Whole
+   numbers from 0 to 255 in the second half are colours, not normals.
 4. Anything else is refused with a message that says what to write for `columns`.
 """
 
@@ -177,8 +178,8 @@ def check_width(width: int) -> None:
         )
 
 
-def from_values(table: Array) -> Columns:
-    """Return the columns of a table (N, columns) without names.
+def from_values(table: Array, *, unit: bool = True) -> Columns:
+    """Return the columns of a table (N, columns) without names; `unit` says that normals must have length 1.
 
     Raises
     ------
@@ -191,12 +192,12 @@ def from_values(table: Array) -> Columns:
     if width in (2, 3):
         return Columns(tuple(range(width)))
     half = width // 2
-    _check_normals(table[:, half:], width)
+    _check_normals(table[:, half:], width, 1.0 if unit else None)
     return Columns(tuple(range(half)), tuple(range(half, width)))
 
 
-def _check_normals(normals: Array, width: int) -> None:
-    """Refuse the second half (N, d) of a table without names if its rows do not have the length of normals."""
+def _check_normals(normals: Array, width: int, expected: float | None) -> None:
+    """Refuse the second half (N, d) of a table without names if its rows have not this length, or any one if None."""
     complete = normals[np.isfinite(normals).all(axis=1)]
     first = width // 2 + 1
     if len(complete) and ((complete == np.round(complete)) & (complete >= 0) & (complete <= 255)).all():
@@ -205,12 +206,15 @@ def _check_normals(normals: Array, width: int) -> None:
             + _advice(width),
             ("columns",),
         )
-    with np.errstate(over="ignore"):  # an infinite length is not 1 either
-        length = np.sqrt(np.square(complete).sum(axis=1))
-    if len(length) and np.abs(length - 1.0).max() > LENGTH_TOLERANCE:
+    largest = float(np.abs(complete).max(initial=0.0)) or 1.0  # divided out, so that no square over- or underflows
+    with np.errstate(over="ignore"):  # the length of the largest numbers is infinite, which no normal has
+        length = largest * np.linalg.norm(complete / largest, axis=1)
+    usual = expected or (float(np.median(length)) if len(length) else 1.0)
+    if (len(length) and not np.abs(length - usual).max() <= LENGTH_TOLERANCE * usual < np.inf) or usual == 0.0:
+        wanted = "one" if expected is None else f"{expected:g}"
         raise InvalidInputError(
-            f"{width} columns without names: columns {first} to {width} are not normals, whose length would be 1, not "
-            f"{length.min():.4g} to {length.max():.4g}; {_advice(width)}",
+            f"{width} columns without names: columns {first} to {width} are not normals, whose length would be "
+            f"{wanted}, not {length.min():.4g} to {length.max():.4g}; {_advice(width)}",
             ("columns",),
         )
 

@@ -14,10 +14,11 @@ from service.formats.points.geometry import GEOMETRY_READERS
 from service.formats.points.json_body import read_json
 from service.formats.points.npy import read_npy
 from service.formats.points.npz import read_npz
-from service.formats.points.raw import Array, Missing, RawPoints, ReadOptions, check_count
+from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count
 from service.formats.points.table import read_table
 from service.jobs.errors import InvalidInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.media_types import Missing
 from service.jobs.point_set_summary import PointSetSummary
 
 # By kind of body, which is also the ending of a file. Each reader takes the bytes.

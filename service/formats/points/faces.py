@@ -8,6 +8,8 @@ import trimesh
 from service.formats.points.raw import Array
 from service.jobs.errors import MalformedInputError
 
+LONGEST_NUMBER = 12  # digits
+
 
 def triangles(polygons: Array | Sequence[Array] | Sequence[Sequence[int]]) -> Array:
     """Return the triangles (M, 3) of polygons, which are fans around their first corners.
@@ -16,9 +18,30 @@ def triangles(polygons: Array | Sequence[Array] | Sequence[Sequence[int]]) -> Ar
     [[0, 1, 2], [3, 4, 5], [3, 5, 6]]
     """
     if isinstance(polygons, np.ndarray) and polygons.shape[1] == 3:
-        return polygons.astype(np.int64)
+        return _positions(polygons)
     fans = [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
-    return np.array(fans, dtype=np.int64).reshape(-1, 3)
+    return _positions(np.array(fans).reshape(-1, 3))
+
+
+def position(text: str) -> int:
+    """Return the number of a vertex or a normal in a face.
+
+    Raises
+    ------
+    ValueError
+        If it is no whole number, or larger than any file has.
+
+    """
+    if len(text) > LONGEST_NUMBER:
+        raise ValueError("the number of a vertex is too large")
+    return int(text)
+
+
+def _positions(numbers: Array) -> Array:
+    """Return whole numbers (M, 3) as integers; text files may give them as floats."""
+    if not (np.abs(numbers) < 10.0**LONGEST_NUMBER).all() or (numbers != np.round(numbers)).any():
+        raise MalformedInputError("a face has a vertex whose number is no whole number", ("points",))
+    return numbers.astype(np.int64)
 
 
 def vertex_normals(points: Array, faces: Array) -> Array | None:

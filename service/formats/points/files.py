@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from service.formats.points import decode
-from service.formats.points.raw import Missing
 from service.jobs.errors import MalformedInputError
 from service.jobs.fit import PointSet
+from service.jobs.media_types import Missing
 
 ENDINGS = tuple(f".{kind}" for kind in decode.READERS)
 

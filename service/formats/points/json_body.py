@@ -14,6 +14,7 @@ from service.formats.points.raw import (
     ReadOptions,
     check_count,
     check_no_columns,
+    doubles,
     number_type,
     shortened,
 )
@@ -115,4 +116,4 @@ def _packed(value: dict[str, Any], name: str, max_points: int) -> Array:
         data = base64.b64decode(value["data"], validate=True)
     except ValueError as error:
         raise InvalidInputError(f"data of {name} must be base64: {error}", (name, "data")) from error
-    return shaped(data, dtype, tuple(shape), name, max_points).astype(np.float64)
+    return doubles(shaped(data, dtype, tuple(shape), name, max_points))

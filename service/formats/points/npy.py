@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from service.formats.points import columns
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, number_type, shortened
+from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, doubles, number_type, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
 Header = Callable[[BytesIO], tuple[tuple[int, ...], bool, np.dtype[Any]]]
@@ -30,6 +30,7 @@ NOT_NPY = (
     RecursionError,
     MemoryError,
     OverflowError,
+    UserWarning,  # of a header from Python 2, where warnings are errors; elsewhere such a file is read
 )
 MESSAGE_LENGTH = 200  # of what numpy says about a header; it quotes the header, which may be long
 
@@ -55,7 +56,7 @@ def split(table: Array, options: ReadOptions) -> tuple[Array, Array | None]:
     if names is None:
         if options.columns is not None:
             return columns.chosen(options.columns, table.shape[1]).split(table)
-        return columns.from_values(table).split(table)
+        return columns.from_values(table, unit=False).split(table)
     if options.columns is not None:
         found = columns.chosen(options.columns, len(names))
     else:
@@ -71,7 +72,7 @@ def numbers(records: Array, positions: tuple[int, ...]) -> Array:
             number_type(records.dtype[name].str if records.dtype[name].subdtype is None else "several numbers")
         except ValueError as error:
             raise MalformedInputError(f"field {shortened(name)!r}: {error}", ("points",)) from error
-    return np.stack([records[names[i]].astype(np.float64) for i in positions], axis=1)
+    return np.stack([doubles(records[names[i]]) for i in positions], axis=1)
 
 
 def read_array(content: bytes, name: str, max_points: int) -> Array:
@@ -105,8 +106,8 @@ def read_array(content: bytes, name: str, max_points: int) -> Array:
     if dtype.names is not None:
         return _records(data, dtype, shape, name, max_points)
     if fortran_order:
-        return shaped(data, dtype, shape, name, max_points).reshape(shape[::-1]).T.astype(np.float64)
-    return shaped(data, dtype, shape, name, max_points).astype(np.float64)
+        return doubles(shaped(data, dtype, shape, name, max_points)).reshape(shape[::-1]).T
+    return doubles(shaped(data, dtype, shape, name, max_points))
 
 
 def _records(data: bytes, dtype: np.dtype[Any], shape: tuple[int, ...], name: str, max_points: int) -> Array:

@@ -98,7 +98,7 @@ class _Statements:
 
 def _position(number: str, count: int) -> int:
     """Return the position, from 0, of what a face calls by this number when there are so many."""
-    position = int(number)
+    position = faces.position(number)
     if position == 0:
         raise ValueError("a face has vertex or normal 0, but they count from 1")
     return position - 1 if position > 0 else count + position

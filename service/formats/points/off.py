@@ -76,8 +76,9 @@ def _polygons(rows: list[str]) -> list[list[int]]:
     found = []
     for i, row in enumerate(rows):
         cells = row.split()
-        corners = [int(cell) for cell in cells[1 : 1 + int(cells[0])]]
-        if len(corners) != int(cells[0]):
+        count = faces.position(cells[0])
+        corners = [faces.position(cell) for cell in cells[1 : 1 + max(count, 0)]]
+        if len(corners) != count:
             raise ValueError(f"face {i} has {len(corners)} vertices, not {cells[0][:20]}")
         found.append(corners)
     return found

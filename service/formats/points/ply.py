@@ -13,7 +13,7 @@ import numpy as np
 
 from service.formats.points import columns, faces
 from service.formats.points.ply_header import Element, Header, Property, parse
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
+from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, doubles, shortened
 from service.jobs.errors import MalformedInputError
 
 Values = dict[str, Array | list[Array]]
@@ -82,7 +82,7 @@ def _vertices(values: Values) -> tuple[Array, Array | None]:
     """Return points (N, d) and normals (N, d), or None, of the properties of vertices."""
     names = [name for name, value in values.items() if isinstance(value, np.ndarray) and value.ndim == 1]
     found = columns.from_names(names, "the vertex element")
-    return found.split(np.stack([np.asarray(values[name], dtype=np.float64) for name in names], axis=1))
+    return found.split(np.stack([doubles(np.asarray(values[name])) for name in names], axis=1))
 
 
 class _Text:

@@ -2,15 +2,15 @@
 
 import re
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.jobs.errors import InvalidInputError, TooLargeError
+from service.jobs.media_types import Missing
 
 Array = NDArray[Any]
-Missing = Literal["refuse", "drop"]
 # numpy's names of real numbers of at most 8 bytes. No other type is read: objects would be pickles, which run code.
 REAL_NUMBER = re.compile(r"[<>|=]?(i[1248]|u[1248]|f[248])")
 
@@ -98,6 +98,16 @@ def number_type(name: str) -> np.dtype[Any]:
         hint = " (coordinates are real: send the real part)" if complex_numbers else ""
         raise ValueError(f"dtype must be an integer or a float of at most 8 bytes, not {shortened(name)}{hint}")
     return np.dtype(name)
+
+
+def doubles(numbers: Array) -> Array:
+    """Return numbers of any real type as doubles; a NaN of any kind is no reason for a warning here.
+
+    >>> doubles(np.array([1, 2], dtype=">i2")).dtype.str[1:]
+    'f8'
+    """
+    with np.errstate(invalid="ignore"):
+        return numbers.astype(np.float64)
 
 
 def shortened(text: str, length: int = 40) -> str:

@@ -2,10 +2,12 @@
 
 import asyncio
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from service.formats.points import decode
 from service.jobs.fit import PointSet
+from service.jobs.media_types import Missing
 from service.jobs.ports import Workers
 
 
@@ -28,9 +30,12 @@ class PointSetReader:
     max_points: int
     deadline: float
 
-    async def read(self, body: bytes | Path, kind: str) -> PointSet:
-        """Read and check a body of this kind."""
+    async def read(
+        self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
+    ) -> PointSet:
+        """Read and check a body of this kind; see `decode.read`."""
+        read = partial(decode.read, body, kind, self.max_points, columns=columns, missing=missing)
         if isinstance(body, bytes):
-            return await asyncio.to_thread(decode.read, body, kind, self.max_points)
-        points: PointSet = await self.workers.run(decode.read, body, kind, self.max_points, deadline=self.deadline)
+            return await asyncio.to_thread(read)
+        points: PointSet = await self.workers.run(read, deadline=self.deadline)
         return points

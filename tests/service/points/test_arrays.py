@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from service.formats.points import decode
-from service.formats.points.raw import Missing
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.media_types import Missing
 from tests.service.bodies import Array, ellipse, npy, sphere
 
 BALL = sphere(30)
@@ -159,6 +159,14 @@ def test_an_array_of_another_width_can_be_named(width: int) -> None:
     table = np.hstack([BALL[:, :3], np.full((30, width - 3), 7.5)])
     assert "columns" in str(refused(npy(table)))
     assert gives(read(npy(table), columns=",".join(["x", "y", "z", *["_"] * (width - 3)])), BALL[:, :3])
+
+
+@pytest.mark.parametrize("length", [1e-200, 0.01, 1.0, 1.05, 100.0, 1e150])
+def test_the_normals_of_an_array_may_have_any_one_length(length: float) -> None:
+    normals = length * BALL[:, 3:] * np.linspace(0.95, 1.05, 30)[:, None]
+    assert gives(read(npy(np.hstack([BALL[:, :3], normals]))), BALL[:, :3], BALL[:, 3:], 1e-6)
+    normals[17] *= 1.3
+    assert "whose length would be one" in str(refused(npy(np.hstack([BALL[:, :3], normals]))))
 
 
 HUGE = [2**31, 2**62, 2**63, 2**64, 10**30]

@@ -190,7 +190,7 @@ GOOD = ply([("float", name) for name in "xyz"], named(BALL[:, :3]), "binary_litt
         (b"ply\n", b"plz\n", "first line"),
         (b"format binary_little_endian 1.0\n", b"", "no place"),
         (b"format binary_little_endian", b"format binary_middle_endian", "no place"),
-        (b"element vertex 30", b"element vertex 33", "data end"),
+        (b"element vertex 30", b"element vertex 33", "do not fit"),
         (b"element vertex 30", b"element vertex -3", "no place"),
         (b"element vertex 30", b"element vertex 999", "do not fit"),
         (b"element vertex 30", b"element vertices 30", "no vertices"),

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from service.formats.points import decode
-from service.formats.points.raw import Missing
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
 from service.jobs.fit import PointSet
+from service.jobs.media_types import Missing
 from tests.service.bodies import Array, ellipse, sphere
 
 BALL = sphere(30)
