@@ -6,7 +6,7 @@ import httpx
 import numpy as np
 import pytest
 
-from service.api.body import INLINE
+from service.api.body import IN_MEMORY_BYTES
 from tests.service.bodies import ellipse, npy
 
 CSV = {"Content-Type": "text/csv"}
@@ -57,7 +57,7 @@ def test_missing_values_are_refused_with_their_line_or_left_out(client: httpx.Cl
     rows = ROWS * repeats
     rows[-3] = "1.0,"
     body = "\n".join(rows)
-    assert (len(body) > INLINE) == (repeats > 1)  # a large body is read in another process
+    assert (len(body) > IN_MEMORY_BYTES) == (repeats > 1)  # a large body is read in another process
     refused = send(client, body)
     assert refused.status_code == 422
     assert f"line {len(rows) - 2}, column 2 is missing" in refused.text
