@@ -1,4 +1,4 @@
-"""Disks that are really full: a file system of a few megabytes in memory, which only root may mount."""
+"""Full disks: a file system of a few megabytes in memory, which only root may mount."""
 
 import os
 import shutil
@@ -12,20 +12,20 @@ import pytest
 
 
 class Disk:
-    """A small disk, and a file that takes all room that is left on it."""
+    """A small disk, and a file that can fill it."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._ballast = folder / "ballast"
 
     def fill(self) -> None:
-        """Leave no room."""
+        """Fill the disk."""
         with self._ballast.open("ab") as file:
             while room := self.room:
                 os.posix_fallocate(file.fileno(), os.fstat(file.fileno()).st_size, room)
 
     def clear(self) -> None:
-        """Make room again."""
+        """Remove the file that fills the disk."""
         self._ballast.unlink(missing_ok=True)
 
     @property
@@ -39,8 +39,10 @@ def small(megabytes: int) -> Iterator[Disk]:
     """Yield a disk of so many megabytes; skip the test where that is not allowed."""
     if os.geteuid() != 0:
         pytest.skip("A REALLY FULL DISK WAS NOT TESTED: only root may mount one")
+    if shutil.which("mount") is None:
+        pytest.skip("A REALLY FULL DISK WAS NOT TESTED: there is no mount command here")
     place = Path(tempfile.mkdtemp(prefix="ipfit-disk-"))
-    place.chmod(0o755)  # PostgreSQL, which runs as another user, is to get there, too
+    place.chmod(0o755)  # PostgreSQL runs as another user and needs access, too
     folder = place / "disk"
     folder.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", f"size={megabytes}m,mode=777", "ipfit-test", str(folder)]

@@ -46,7 +46,7 @@ def test_health(client: httpx.Client, path: str) -> None:
 def test_the_operations_show_in_a_browser(server: str, tmp_path: Path) -> None:
     browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if browser is None:
-        pytest.skip("no browser here: the page itself is not looked at")
+        pytest.skip("THE DOCUMENTATION PAGE WAS NOT TESTED IN A BROWSER: there is no chromium or google-chrome here")
     shown = subprocess.run(  # noqa: S603 - a browser
         [browser, *FLAGS, f"--user-data-dir={tmp_path}", "--dump-dom", f"{server}/docs"],
         capture_output=True,

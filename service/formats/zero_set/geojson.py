@@ -59,7 +59,10 @@ def _area(ring: ipcore.FloatArray) -> float:
 
 
 def _within(point: ipcore.FloatArray, ring: ipcore.FloatArray) -> bool:
-    """Return whether a point (2,) is within a closed ring (n, 2), which a ray from it then crosses oddly often."""
+    """Return whether a point (2,) is within a closed ring (n, 2).
+
+    It is if a ray from it to the right crosses the ring an odd number of times.
+    """
     (x0, y0), (x1, y1) = (ring[:-1] - point).T, (ring[1:] - point).T
     crosses = (y0 > 0.0) != (y1 > 0.0)
     right = (x0 * y1 - x1 * y0) * (y1 - y0) > 0.0  # the crossing's x is (x0 y1 − x1 y0)/(y1 − y0)
