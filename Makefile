@@ -24,8 +24,11 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
 
+# One process for each core; tests/conftest.py says which tests stay together. ARGS="-n 0" runs all in this process.
+PYTEST = $(BIN)/python -m pytest -n auto
+
 test: $(VENV)/.dev-stamp ## run the tests (ARGS="…" goes to pytest)
-	$(BIN)/python -m pytest $(ARGS)
+	$(PYTEST) $(ARGS)
 
 # pytest comes last, so that its closing line is the last one.
 check: $(VENV)/.dev-stamp ## everything CI checks: style, types, layers, tests, coverage
@@ -33,7 +36,7 @@ check: $(VENV)/.dev-stamp ## everything CI checks: style, types, layers, tests, 
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest --cov --cov-report=term $(ARGS)
+	$(PYTEST) --cov --cov-report=term $(ARGS)
 
 openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 	mkdir -p openapi

@@ -3,8 +3,29 @@
 from collections.abc import Iterator
 
 import pytest
+from xdist.remote import Producer
+from xdist.scheduler import LoadScopeScheduling
 
 from tests.service.running import Server
+
+# Tests that start servers, kill processes and measure time, by the beginning of their ids. Two of them at once on two
+# cores would disturb each other, so one process runs all of them, while others run the tests of the mathematics.
+ONE_AFTER_THE_OTHER = ("tests/service/", "tests/test_readme.py", "tests/test_docs.py")
+
+
+class Scheduling(LoadScopeScheduling):
+    """Give each process whole files of tests, and the tests above to one process, which starts with them.
+
+    pytest-xdist has marks for such groups, but its 3.8 does not find them with pytest 9.2.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        return "one after the other" if nodeid.startswith(ONE_AFTER_THE_OTHER) else nodeid.partition("::")[0]
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Scheduling:
+    """Return how tests are shared out between processes, if there are several (`-n`)."""
+    return Scheduling(config, log)
 
 
 @pytest.fixture(scope="session")
