@@ -26,6 +26,8 @@ IGNORED = "_"
 # How far the length of a normal may be from 1 before unnamed columns are not taken for normals: files with three
 # decimals are within 0.1 %, while intensities, colours and coordinates are rarely within 10 % in every row.
 LENGTH_TOLERANCE = 0.1
+# Vectors whose mean is longer than this share of their length point in about one direction.
+ONE_DIRECTION = 0.9
 # A name with everything but letters and digits left out, in lower case → its role. `points0` is what ParaView writes.
 _ROLE_OF = {
     **{role: role for role in ROLES},
@@ -192,12 +194,12 @@ def from_values(table: Array, *, unit: bool = True) -> Columns:
     if width in (2, 3):
         return Columns(tuple(range(width)))
     half = width // 2
-    _check_normals(table[:, half:], width, 1.0 if unit else None)
+    _check_normals(table[:, half:], width, unit=unit)
     return Columns(tuple(range(half)), tuple(range(half, width)))
 
 
-def _check_normals(normals: Array, width: int, expected: float | None) -> None:
-    """Refuse the second half (N, d) of a table without names if its rows have not this length, or any one if None."""
+def _check_normals(normals: Array, width: int, *, unit: bool) -> None:
+    """Refuse the second half (N, d) of a table without names unless its rows are normals."""
     complete = normals[np.isfinite(normals).all(axis=1)]
     first = width // 2 + 1
     if len(complete) and ((complete == np.round(complete)) & (complete >= 0) & (complete <= 255)).all():
@@ -206,17 +208,34 @@ def _check_normals(normals: Array, width: int, expected: float | None) -> None:
             + _advice(width),
             ("columns",),
         )
-    largest = float(np.abs(complete).max(initial=0.0)) or 1.0  # divided out, so that no square over- or underflows
-    with np.errstate(over="ignore"):  # the length of the largest numbers is infinite, which no normal has
-        length = largest * np.linalg.norm(complete / largest, axis=1)
-    usual = expected or (float(np.median(length)) if len(length) else 1.0)
-    if (len(length) and not np.abs(length - usual).max() <= LENGTH_TOLERANCE * usual < np.inf) or usual == 0.0:
-        wanted = "one" if expected is None else f"{expected:g}"
+    length = _lengths(complete)
+    if len(length) and not _are_normals(complete, length, unit=unit):
+        wanted = "1" if unit else "1, or one in many directions"
         raise InvalidInputError(
             f"{width} columns without names: columns {first} to {width} are not normals, whose length would be "
             f"{wanted}, not {length.min():.4g} to {length.max():.4g}; {_advice(width)}",
             ("columns",),
         )
+
+
+def _lengths(vectors: Array) -> Array:
+    """Return the lengths (N,) of vectors (N, d)."""
+    largest = float(np.abs(vectors).max(initial=0.0)) or 1.0  # divided out, so that no square over- or underflows
+    with np.errstate(over="ignore"):  # the length of the largest numbers is infinite, which no normal has
+        return np.asarray(largest * np.linalg.norm(vectors / largest, axis=1))
+
+
+def _are_normals(vectors: Array, length: Array, *, unit: bool) -> bool:
+    """Return whether vectors (N, d) of these lengths (N,) are normals: of length 1, or else, unless `unit`, of any one.
+
+    Those of another length must not all have one direction, as z beside a constant has.
+    """
+    if np.abs(length - 1.0).max() <= LENGTH_TOLERANCE:
+        return True
+    usual = float(np.median(length))
+    if unit or not 0.0 < usual < np.inf or np.abs(length - usual).max() > LENGTH_TOLERANCE * usual:
+        return False
+    return float(np.linalg.norm((vectors / usual).mean(axis=0))) < ONE_DIRECTION
 
 
 def _advice(width: int) -> str:
