@@ -12,9 +12,10 @@ from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
 from ipcore.linear import q_less
 from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.layer_moments import LayerMoments
 from ipcore.linear.q_less import MAX_UNCORRECTED_CONDITION, QLessFit
 from ipcore.linear.qr.r_factor import RFactor
-from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows
+from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows, SummedRows
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
@@ -215,6 +216,8 @@ def test_r_is_computed_for_some_degrees_more_than_are_needed_but_never_for_more_
     assert recorded(500, 8, [1, 7], criterion="none") == [("rows", 8)]  # where every degree will be fitted
     # 12 points determine 12 columns, which end in degree 4
     assert recorded(12, 20, [1], criterion="none") == [("rows", 4)]
+    assert recorded(6, 20, [1], criterion="none") == [("rows", 2)]
+    assert recorded(500, 4, [4], factor="moments") == [("moments", 4)]  # no more is needed than there is
 
 
 def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:
@@ -226,4 +229,24 @@ def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:
     assert fit is not None
     np.testing.assert_allclose(fit.polynomial.coefficients, dense.polynomial.coefficients, atol=1e-9)
     assert fit.degrees_of_freedom == pytest.approx(dense.degrees_of_freedom, rel=1e-9)
+    assert fit.rss == pytest.approx(dense.rss, rel=1e-9)
     assert fit.rows == dense.rows == 1800
+
+
+def test_the_ridged_solution_of_an_ill_conditioned_system_is_that_of_the_dense_fit() -> None:
+    data = OrientedPoints.of(check_points(*rough(2, 500)), 12)
+    options = FitOptions.of(factor="moments", ridge="full", ridge_strength=1e-12)
+    fit = QLessFit(data, options, 12, DataRows(data, options)).raise_to(graded.count(2, 12))
+    dense = LeastSquaresFit(data, options, 12).raise_to(graded.count(2, 12))
+    assert fit is not None
+    assert fit.condition > MAX_UNCORRECTED_CONDITION  # where a fit without a ridge is corrected
+    np.testing.assert_allclose(fit.polynomial(data.points), dense.polynomial(data.points), atol=1e-10)
+
+
+def test_moments_that_were_summed_before_are_used_as_far_as_they_reach() -> None:
+    data = OrientedPoints.of(check_points(*rough(2, 200)), 12)
+    options = FitOptions.of(geometric=False)
+    some = LayerMoments.of(data.points[:100], data.normals[:100], 5, options.layer_offsets)  # not of all the points
+    source = SummedRows(data, options, some)
+    assert source.from_moments(5).rows == 300
+    assert source.from_moments(6).rows == 600
