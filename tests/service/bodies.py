@@ -1,4 +1,4 @@
-"""Point sets to send."""
+"""Point sets for the bodies of requests."""
 
 from io import BytesIO
 from typing import Any, Literal
@@ -42,7 +42,7 @@ HALF_A_MINUTE = "t1=0&max_degree=16"
 
 
 def huge_torus(count: int) -> Array:
-    """Return points and normals of a torus, (N, 6), not evenly spread but made in no time."""
+    """Return points and normals of a torus, (N, 6), not evenly spread but quickly made."""
     u, v = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, (2, count))
     n = np.stack([np.cos(u) * np.cos(v), np.sin(u) * np.cos(v), np.sin(v)], axis=1)
     ring = np.stack([np.cos(u), np.sin(u), np.zeros(count)], axis=1)

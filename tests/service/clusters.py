@@ -1,4 +1,4 @@
-"""A cluster as a test has it: replicas of the API and workers around a PostgreSQL, each of them a process."""
+"""A cluster for tests: replicas of the API and workers around a PostgreSQL, each in a process of its own."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ class Cluster:
         return self.workers[-1]
 
     def holders(self) -> set[str]:
-        """Return who runs fits at the moment."""
+        """Return the names of the lease holders of running fits."""
         with psycopg.connect(str(self._settings["DATABASE_URL"])) as connection:
             return {row[0] for row in connection.execute("SELECT holder FROM fits WHERE holder IS NOT NULL")}
 

@@ -1,4 +1,4 @@
-"""Clients, and servers that one test may do with as it likes."""
+"""Fixtures: a client of a shared server, stores on both engines, and servers that a test may stop and kill."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -25,7 +25,7 @@ def client(shared: Server) -> httpx.Client:
 
 @pytest.fixture(scope="session")
 def postgres() -> Iterator[Postgres]:
-    """Start a PostgreSQL for tests that leave it running."""
+    """Start a PostgreSQL that all tests share and none stops."""
     server = Postgres()
     yield server
     server.remove()
@@ -55,7 +55,7 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
 
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Start]:
-    """Start servers on one data folder, one after the other; what still runs in the end is killed."""
+    """Return a function that starts a server on one data folder; servers that still run in the end are killed."""
     started: list[Server] = []
 
     def one(**settings: object) -> Server:

@@ -1,4 +1,4 @@
-"""A real PostgreSQL in a folder of its own, on a Unix socket: no rights of root, no network, no installed service."""
+"""A real PostgreSQL in a folder of its own, on a Unix socket; it needs no root, no network and no installed service."""
 
 import os
 import shutil
@@ -19,12 +19,12 @@ from tests.service.running import alive, children
 # PostgreSQL refuses to run as root. Where the tests do, it runs as the user that every system has for this, from a copy
 # that this user can read.
 NOBODY = 65534
-# So that restarts are quick and the disk is left alone, apart from what durability needs.
+# For quick restarts, and few writes beyond those that durability needs.
 SETTINGS = {"listen_addresses": "", "max_connections": "200", "shared_buffers": "32MB"}
 
 
 class Postgres:
-    """One server: started, killed and started again at will."""
+    """One PostgreSQL server that can be started, killed and started again."""
 
     def __init__(self) -> None:
         self._folder = Path(tempfile.mkdtemp(prefix="ipfit-pg-"))
@@ -39,7 +39,7 @@ class Postgres:
         self.start()
 
     def start(self) -> None:
-        """Start; after a kill, what was committed is there again."""
+        """Start the server; after a kill, it recovers what was committed."""
         told = [word for name, value in SETTINGS.items() for word in ("-c", f"{name}={value}")]
         command: list[str | Path] = [self._programs / "postgres", "-D", "data", "-k", self._folder, *told]
         with (self._folder / "log").open("ab") as log:
@@ -94,7 +94,7 @@ class Postgres:
         return self.url(name)
 
     def tell(self, statement: str) -> None:
-        """Run a statement of our own."""
+        """Run one statement."""
         with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
             connection.execute(statement.encode())
 

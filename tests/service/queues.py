@@ -76,7 +76,7 @@ def loaded() -> None:
 
 
 class Bench:
-    """A queue and what it works with."""
+    """A queue with its store, its blobs and its workers."""
 
     def __init__(self, folder: Path, engine: Engine, workers: WorkerPool) -> None:
         self.engine, self.store, self.blobs = engine, SqlFits(engine, 1000), Blobs(str(folder / "blobs"))

@@ -1,4 +1,4 @@
-"""A real server: `ipfit serve` in a process of its own, with a data folder of its own, and what its processes do."""
+"""Real servers: `ipfit serve` in a process and a data folder of its own, and information about its processes."""
 
 import os
 import re
@@ -18,7 +18,7 @@ COMMAND = Path(sys.executable).parent / "ipfit"
 
 
 def until(found: Callable[[], T], seconds: float = 30.0) -> T:
-    """Return what `found` finds, as soon as it is true."""
+    """Return the result of `found` as soon as it is true."""
     end = time.monotonic() + seconds
     while not (value := found()):
         assert time.monotonic() < end, f"waited {seconds} s in vain"
@@ -47,12 +47,12 @@ class Program:
         return self._log.read_text(encoding="utf-8")
 
     def kill(self) -> None:
-        """End it as a power cut does."""
+        """Kill it with all its processes, as a power cut does."""
         self.process.kill()
         self.process.wait(10.0)
 
     def workers(self) -> list[int]:
-        """Return the worker processes: what the fork server has forked."""
+        """Return the worker processes: the children of the fork server."""
         return [worker for child in children(self.process.pid) for worker in children(child)]
 
     def busy(self, seconds: float = 0.3) -> list[int]:
@@ -70,7 +70,7 @@ class Worker(Program):
         super().__init__("worker", folder, **settings)
 
     def stop(self, seconds: float = 15.0) -> None:
-        """Stop as a supervisor does; the worker must end well, and leave no process behind."""
+        """Send SIGTERM; the worker must exit with 0 and leave no process behind."""
         left = self.workers()
         self.process.send_signal(signal.SIGTERM)
         assert self.process.wait(seconds) == 0, self.log
@@ -94,7 +94,7 @@ class Server(Program):
         return found.group(1) if found else ""
 
     def stop(self) -> None:
-        """Stop as a supervisor does; the server must end well, at once, and leave no process behind."""
+        """Send SIGTERM; the server must exit with 0 at once and leave no process behind."""
         left = self.workers()
         self.client.close()
         self.process.send_signal(signal.SIGTERM)
@@ -103,7 +103,7 @@ class Server(Program):
         assert "Traceback" not in self.log, self.log
 
     def kill(self) -> None:
-        """End the server as a power cut does."""
+        """Kill the server with all its processes, as a power cut does."""
         self.client.close()
         super().kill()
 

@@ -1,4 +1,4 @@
-"""An S3 that speaks HTTP from a process of its own (moto's server), so that it can hang, and be killed."""
+"""An S3 over HTTP in a process of its own (moto's server), which can be stopped and killed."""
 
 import signal
 import socket
@@ -13,7 +13,7 @@ BUCKET = "ipfit"
 
 
 class S3:
-    """One server, always at the same address. What is in it is lost when it is killed."""
+    """One S3 server, always at the same address. It loses its content when it is killed."""
 
     def __init__(self) -> None:
         with socket.socket() as one:
@@ -23,7 +23,7 @@ class S3:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Return how the processes of a server find it, in AWS's own variables."""
+        """Return the AWS variables by which other processes find it."""
         return {
             "AWS_ENDPOINT_URL": f"http://127.0.0.1:{self._port}",
             "AWS_ACCESS_KEY_ID": "test",
@@ -44,7 +44,7 @@ class S3:
             time.sleep(0.05)
 
     def hang(self) -> None:
-        """Take connections and say nothing."""
+        """Accept connections and answer nothing."""
         self._process.send_signal(signal.SIGSTOP)
 
     def go_on(self) -> None:

@@ -1,4 +1,4 @@
-"""Fits to store, and what the queue in the same database has of them."""
+"""Fits to store, and their jobs in the queue of the same database."""
 
 from datetime import UTC, datetime
 from typing import Any

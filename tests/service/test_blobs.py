@@ -1,4 +1,4 @@
-"""The blob folder: content under its own name, whole or not at all."""
+"""The blob store: content under its hash, whole or not at all."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""Two replicas of the API and two workers around one PostgreSQL: any of them may die, and so may the database."""
+"""Two replicas of the API and two workers around one PostgreSQL, each of which is killed."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""The documentation page, in a browser that reaches nothing but this server."""
+"""The documentation page in a browser that can reach this server only."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""Who is next: fair between clients, whatever they send."""
+"""The order of the fair queue: each client gets the same share, whatever the others send."""
 
 import sys
 from datetime import UTC, datetime
@@ -22,7 +22,7 @@ def fit(client: str, cost: float) -> Fit:
 
 
 def served(queue: FairQueue, *, short: bool = False) -> list[str]:
-    """Return everything that is in queue, in its turn."""
+    """Return the ids of all fits, in the order in which they are taken."""
     taken = []
     while (one := queue.take(short=short)) is not None:
         taken.append(one)

@@ -1,4 +1,4 @@
-"""The life of a fit over HTTP: sent in every way, waited for, looked at, drawn, removed."""
+"""Fits over HTTP: sent in every format, waited for, read, exported as files, dismissed and removed."""
 
 import base64
 import json

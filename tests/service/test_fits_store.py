@@ -1,4 +1,4 @@
-"""The fit store on SQLite files and on a PostgreSQL: durable, and no move but the legal ones."""
+"""The fit store on SQLite and on PostgreSQL: it is durable, and allows legal transitions only."""
 
 import dataclasses
 import time

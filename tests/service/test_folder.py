@@ -1,4 +1,4 @@
-"""The data folder belongs to one server at a time."""
+"""The data folder is used by one server at a time."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Disks that are full and databases that take no writes: 503, nothing accepted, and fits go on when there is room."""
+"""Full disks and read-only databases: requests get 503, no fit is accepted, and fits go on when there is room."""
 
 import sqlite3
 from collections.abc import Iterator

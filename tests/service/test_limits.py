@@ -1,4 +1,4 @@
-"""What is too much is refused before it is taken in; and the server stays awake while it works."""
+"""Requests over a limit are refused before they are received, and the server answers others meanwhile."""
 
 import json
 import socket

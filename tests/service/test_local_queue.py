@@ -1,4 +1,4 @@
-"""The embedded queue with a real store, real blobs and real workers, whose tasks do as they are told."""
+"""The embedded queue with a real store, real blobs and real workers, whose tasks do what their input says."""
 
 import asyncio
 import time

@@ -1,4 +1,4 @@
-"""What the writers write, read by trimesh."""
+"""Mesh files, read back by trimesh."""
 
 import json
 from io import BytesIO

@@ -1,4 +1,4 @@
-"""Which format came, and which one is wanted."""
+"""Content negotiation: the format of the body, and the format of the response."""
 
 import pytest
 from hypothesis import given

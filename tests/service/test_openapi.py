@@ -1,4 +1,4 @@
-"""The OpenAPI document: committed, true, complete, and its examples work."""
+"""The OpenAPI document is committed, up to date and complete, and its examples work."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""What the writers write, read as XML and as JSON."""
+"""Curve files, read back as XML and as JSON."""
 
 import json
 import re

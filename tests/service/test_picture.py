@@ -1,4 +1,4 @@
-"""The picture of a fit, read as XML: what is drawn lies where the numbers say."""
+"""The picture of a fit, read as XML: its elements lie where the numbers of the fit say."""
 
 import re
 from collections.abc import Callable

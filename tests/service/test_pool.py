@@ -1,4 +1,4 @@
-"""Worker processes: what they load, what they return, and how they end."""
+"""Worker processes: the modules they load, the results they return, and how they end."""
 
 import asyncio
 import os

@@ -1,4 +1,4 @@
-"""Every error is a problem with its place and a trace id, and nothing that is sent makes a 500."""
+"""Every error has problem details with its place and a trace id, and no request gets a 500."""
 
 import json
 import socket

@@ -1,4 +1,4 @@
-"""Point sets in an S3: the same promises as in a folder, and errors that pass."""
+"""Point sets in an S3: stored as durably as in a folder, with errors that may pass."""
 
 import os
 import time

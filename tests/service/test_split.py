@@ -1,4 +1,4 @@
-"""Huge fits in parts, on one server and on many machines: the answer of the whole, whatever dies on the way."""
+"""Fits in parts, on one server and on a cluster: the result is that of the whole, whichever process is killed."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Fits in parts in the store, on SQLite and on PostgreSQL: counted once, ended together, never blocking each other."""
+"""Fits in parts in the store, on SQLite and on PostgreSQL: each part counts once, and transactions never deadlock."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The tasks of a fit in parts: together they are the task of the whole, also above the degree that the parts sum to."""
+"""The tasks of a fit in parts give the result of the whole, also above the degree up to which moments are summed."""
 
 from datetime import UTC, datetime
 from io import BytesIO

@@ -1,4 +1,4 @@
-"""Databases of every age: made, brought up to date, or refused, and never half of that."""
+"""Databases of every version: created, migrated or refused, and never left half migrated."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
