@@ -1,8 +1,8 @@
-"""What ipcore raises. Only the caller's fault raises; a numerical outcome is a `StopReason` on the result."""
+"""The errors of ipcore. Invalid input raises one; a numerical outcome is a `StopReason` of the result instead."""
 
 
 class IPCoreError(Exception):
-    """Base of every error that ipcore raises on purpose.
+    """The base of all errors that ipcore raises itself.
 
     Parameters
     ----------
@@ -14,13 +14,13 @@ class IPCoreError(Exception):
     """
 
     def __init__(self, message: str, at: tuple[str | int, ...] = ()) -> None:
-        """Keep the sentence and the place."""
+        """Store the message and the place."""
         super().__init__(message)
         self.message = message
         self.at = at
 
     def __reduce__(self) -> tuple[type["IPCoreError"], tuple[str, tuple[str | int, ...]]]:
-        """Pickle with both arguments, so that an error survives the way back from a worker process."""
+        """Pickle with both arguments, so that an error can be sent from a worker process."""
         return type(self), (self.message, self.at)
 
 
@@ -29,11 +29,11 @@ class InvalidPointsError(IPCoreError):
 
 
 class InvalidNormalsError(IPCoreError):
-    """The normals do not belong to the points: another shape, not finite, or of zero length."""
+    """The normals do not fit the points: another shape, not finite, or of zero length."""
 
 
 class InvalidOptionsError(IPCoreError):
-    """An option has a value that it does not allow."""
+    """An option has a value that is not allowed, alone or together with another option."""
 
 
 class InvalidPolynomialError(IPCoreError):

@@ -1,4 +1,4 @@
-"""Algebraic curves and surfaces with known coefficients, to test, document and measure with."""
+"""Algebraic curves and surfaces with known coefficients, for tests, examples and benchmarks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ class Shape:
     Attributes
     ----------
     name
-        What the literature calls it.
+        Its name in the literature.
     polynomial
-        With frame centre 0 and scale 1, so its coefficients are those of x, y, z themselves.
+        With frame centre 0 and scale 1, so that its coefficients are those of the equation in x, y, z.
     euler
         Euler characteristic of the zero set within the bounds: 0 for a closed curve, 2 − 2·genus for a surface.
 
@@ -33,10 +33,10 @@ class Shape:
     euler: int
 
     def sample(self, count: int, seed: int = 0) -> tuple[FloatArray, FloatArray]:
-        """Return `count` points on the shape and their unit outward normals, (N, d) each, evenly spread by area.
+        """Return N = `count` points on the shape and their unit outward normals, (N, d) each, evenly spread by area.
 
-        Uniform points of a thin shell round the zero set, taken onto it by Newton steps v ← v − f∇f/‖∇f‖². The same
-        seed gives the same points.
+        Uniformly random points of a thin shell around the zero set are moved onto it by Newton steps
+        v ← v − f∇f/‖∇f‖². The same seed gives the same points.
 
         >>> points, normals = circle().sample(50)
         >>> bool(np.allclose(np.hypot(*points.T), 1.0, atol=1e-14)), normals.shape
@@ -56,6 +56,7 @@ class Shape:
 
 
 def _onto(polynomial: ImplicitPolynomial, x: FloatArray) -> FloatArray:
+    """Return points x (N, d), near the zero set, moved onto it."""
     for _ in range(8):  # quadratic convergence from a shell 2 % thick: rounding is reached in 4 or 5
         f, gradient = polynomial.value_and_gradient(x)
         x = x - (f / (gradient**2).sum(axis=1))[:, None] * gradient
@@ -63,6 +64,7 @@ def _onto(polynomial: ImplicitPolynomial, x: FloatArray) -> FloatArray:
 
 
 def _shape(name: str, terms: Terms, half: tuple[float, ...], euler: int, middle: tuple[float, ...] = ()) -> Shape:
+    """Return the shape with these terms, exponents to coefficient, in a box of half-widths (d,) around its middle."""
     d, degree = len(half), max(sum(powers) for powers in terms)
     a = np.zeros(graded.count(d, degree))
     a[graded.column(np.array(list(terms)))] = list(terms.values())
@@ -82,7 +84,7 @@ def ellipse(a: float = 2.0, b: float = 1.0) -> Shape:
 
 
 def cubic() -> Shape:
-    """Return the oval of the elliptic curve y² = x³ − x, in −1 ≤ x ≤ 0; its other branch is out of bounds."""
+    """Return the oval of the elliptic curve y² = x³ − x, in −1 ≤ x ≤ 0; its other branch is outside the bounds."""
     return _shape("cubic", {(0, 2): 1, (3, 0): -1, (1, 0): 1}, (0.75, 0.9), 0, (-0.5, 0.0))
 
 

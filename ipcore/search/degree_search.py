@@ -94,7 +94,7 @@ class DegreeSearch:
     def _batches(self, alphas: Sequence[int], progress: Progress | None) -> Sequence[Sequence[int]]:
         """Return the α in batches whose fits are measured in one pass over the data.
 
-        All in one batch if every α will be tried and no one is told of the steps before the end, else one by one.
+        All α are one batch if every one will be tried and there is no `progress` to report to; else each is its own.
         """
         if progress is None and self._criterion.never_stops and self.options.is_linear:
             return [alphas] if alphas else []

@@ -41,11 +41,14 @@ def _of_the_zero_set(diagnostics: Diagnostics) -> list[str]:
         texts.append("The zero set has parts away from the data or in pieces that no constraint could remove.")
     if (diagnostics.unsure or 0.0) > TOLERATED_UNSURE:
         texts.append(
-            f"In {diagnostics.unsure:.0%} of the box the points do not tell inside from outside, for the surface is "
-            "open or sparse there: nothing was asked of f, and its sign is a guess."
+            f"In {diagnostics.unsure:.0%} of the box the points do not tell inside from outside, because the surface "
+            "is open or sparse there: the sign of f was not constrained there, and may be wrong."
         )
     if diagnostics.outliers:
-        texts.append(f"{diagnostics.outliers:.1%} of the points were taken for outliers and do not count.")
+        texts.append(
+            f"{diagnostics.outliers:.1%} of the points were taken for outliers: neither the fit nor any other figure "
+            "counts them."
+        )
     if diagnostics.stray is not None and diagnostics.stray > TOLERATED_STRAY:
         texts.append(
             f"{diagnostics.stray:.1%} of the zero set within the bounds lies away from all data; a mesh restricted to "

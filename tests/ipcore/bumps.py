@@ -1,4 +1,4 @@
-"""Zero sets that no low degree has."""
+"""Polynomials whose zero sets no low degree reproduces."""
 
 import numpy as np
 

@@ -38,7 +38,7 @@ def test_a_noise_free_shape_stops_at_its_own_degree(make: Callable[[], Shape]) -
 
 
 @pytest.mark.parametrize("make", OWN_DEGREE)
-def test_a_fit_does_not_care_how_the_shape_lies(make: Callable[[], Shape]) -> None:
+def test_a_fit_is_the_same_after_a_rigid_motion_and_a_change_of_scale(make: Callable[[], Shape]) -> None:
     points, normals = sampled(make)
     d = points.shape[1]
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(d, d)))[0]  # a rigid motion, mirrored or not
@@ -101,7 +101,7 @@ def test_more_coefficients_than_points_are_not_tried() -> None:
     assert result.steps[-1].degree == 3  # 10 coefficients; degree 4 has 15
 
 
-def test_points_on_a_plane_are_fitted_by_degree_one_and_told_so() -> None:
+def test_points_on_a_plane_are_fitted_by_degree_one_with_a_warning() -> None:
     generator = np.random.default_rng(0)
     plane = (
         np.column_stack([generator.uniform(-1, 1, (60, 2)), np.zeros(60)])

@@ -127,7 +127,7 @@ def test_moments_that_do_not_belong_together_do_not_add() -> None:
             _ = some + other
 
 
-def test_what_moments_cannot_give_is_refused() -> None:
+def test_options_that_moments_cannot_give_are_refused() -> None:
     points, normals = rough(500)
     some = Moments.of(points, normals, degree=4)
     refused = {

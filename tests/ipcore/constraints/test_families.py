@@ -46,7 +46,9 @@ def test_taubin_finds_the_coefficients_of_noise_free_shapes(make: Callable[[], S
 
 
 @pytest.mark.parametrize("make", [shapes.ellipse, shapes.superellipse, shapes.torus])
-def test_layers_do_not_because_the_shape_is_no_level_set_of_its_offsets(make: Callable[[], Shape]) -> None:
+def test_layers_do_not_because_a_shapes_own_polynomial_is_not_constant_on_them(
+    make: Callable[[], Shape],
+) -> None:
     shape = make()
     degree = shape.polynomial.degree
     layered = ipcore.fit_fixed(*shape.sample(600), QUICK, degree=degree, method="3l").polynomial
@@ -58,7 +60,7 @@ def test_layers_do_not_because_the_shape_is_no_level_set_of_its_offsets(make: Ca
 
 
 @pytest.mark.parametrize("family", Constraints)
-def test_a_plane_is_reproduced_by_all(family: Constraints) -> None:
+def test_every_family_reproduces_a_plane(family: Constraints) -> None:
     generator = np.random.default_rng(0)
     rotation = np.linalg.qr(generator.normal(size=(3, 3)))[0]
     normals = np.tile(rotation[0], (80, 1))
@@ -118,7 +120,7 @@ def test_the_incremental_solve_is_the_direct_one(family: Constraints, make: Call
 
 @pytest.mark.parametrize("kind", Basis)
 @pytest.mark.parametrize("make", [shapes.superellipse, shapes.torus])
-def test_rows_are_what_they_say(kind: Basis, make: Callable[[], Shape]) -> None:
+def test_rows_are_the_values_and_derivatives_that_they_state(kind: Basis, make: Callable[[], Shape]) -> None:
     data = oriented(make, 50)
     d, mu = data.points.shape[1], 0.3
     options = FitOptions(constraints=Constraints.THREE_LAYER_GRADIENT, gradient_weight=mu)
@@ -153,7 +155,7 @@ def test_every_family_finds_a_degree_for_a_torus(family: Constraints) -> None:
 
 
 @pytest.mark.parametrize("family", [Constraints.FIVE_LAYER, Constraints.THREE_LAYER_GRADIENT, Constraints.GRADIENT_ONE])
-def test_what_holds_the_gradient_keeps_it_at_high_degree(family: Constraints) -> None:
+def test_more_layers_or_gradient_rows_hold_the_gradient_at_high_degree(family: Constraints) -> None:
     # 120 points are few for degree 18: f turns between the three layers, and D_smooth falls
     angle = 2.0 * np.pi * np.arange(120) / 120
     radius = 1.0 + 0.25 * np.cos(3.0 * angle)
@@ -173,21 +175,21 @@ def test_what_holds_the_gradient_keeps_it_at_high_degree(family: Constraints) ->
 
 @pytest.mark.parametrize("family", Constraints)
 @pytest.mark.parametrize("make", [shapes.superellipse, shapes.torus])
-def test_a_family_says_of_its_rows_what_is_true_of_them(family: Constraints, make: Callable[[], Shape]) -> None:
+def test_the_attributes_of_a_family_are_true_of_its_rows(family: Constraints, make: Callable[[], Shape]) -> None:
     data = oriented(make, 40)
-    d, asked = data.points.shape[1], family.family
+    d, rules = data.points.shape[1], family.family
 
     def system(distance: float, weight: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        rows = asked.rows(data.points, data.normals, RowParameters(distance, weight))
+        rows = rules.rows(data.points, data.normals, RowParameters(distance, weight))
         M = DesignMatrix(rows, Basis.MONOMIAL, data.bounds, 3).columns(0, graded.count(d, 3))
         return M, rows.b(1), rows.b(3)
 
     M, b1, b3 = system(0.05, 0.3)
-    assert len(M) == len(b1) == asked.rows_per_point(d) * len(data.points)
-    assert asked.rhs_depends_on_degree is not np.array_equal(b1, b3)
-    assert asked.uses_layer_distance is not np.array_equal(M, system(0.1, 0.3)[0])
-    assert asked.uses_gradient_weight is not np.array_equal(M, system(0.05, 0.6)[0])
-    assert asked.is_least_squares is bool(b1.any())
+    assert len(M) == len(b1) == rules.rows_per_point(d) * len(data.points)
+    assert rules.rhs_depends_on_degree is not np.array_equal(b1, b3)
+    assert rules.uses_layer_distance is not np.array_equal(M, system(0.1, 0.3)[0])
+    assert rules.uses_gradient_weight is not np.array_equal(M, system(0.05, 0.6)[0])
+    assert rules.is_least_squares is bool(b1.any())
 
 
 @pytest.mark.parametrize("family", Constraints)

@@ -26,7 +26,7 @@ def rows(x: FloatArray, n: FloatArray, degree: int) -> tuple[FloatArray, FloatAr
 
 
 @pytest.mark.parametrize(("d", "degree"), [(2, 7), (3, 5)])
-def test_the_triangle_of_moments_is_that_of_the_rows(d: int, degree: int) -> None:
+def test_r_and_b_of_moments_are_those_of_the_rows(d: int, degree: int) -> None:
     x, n = data(d)
     t = LayerMoments.of(x, n, degree, OFFSETS).r_factor()
     M, b = rows(x, n, degree)
@@ -49,7 +49,7 @@ def test_moments_of_pieces_add_up(d: int) -> None:
 
 
 @pytest.mark.parametrize(("d", "degree"), [(2, 7), (3, 5)])
-def test_the_gradients_are_those_of_the_residuals(d: int, degree: int) -> None:
+def test_the_residuals_of_the_normal_equations_are_those_of_the_rows(d: int, degree: int) -> None:
     x, n = data(d)
     A = np.random.default_rng(0).normal(size=(graded.count(d, degree), 3))
     g, rss = layer_moments.normal_residuals(x, n, degree, OFFSETS, A)

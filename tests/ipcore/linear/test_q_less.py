@@ -1,5 +1,6 @@
 """Fits that never hold M, against the block factorisation that does."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,12 @@ import ipcore
 from ipcore import FitOptions, FitResult, Moments, StopReason, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
+from ipcore.linear import q_less
+from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.layer_moments import LayerMoments
 from ipcore.linear.q_less import MAX_UNCORRECTED_CONDITION, QLessFit
-from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows
+from ipcore.linear.qr.r_factor import RFactor
+from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows, SummedRows
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
@@ -83,8 +88,8 @@ def test_where_the_condition_is_too_bad_the_rows_themselves_are_factored() -> No
             factored.append(fit.condition)
         elif "residuals" in Watched.passes:
             refined.append(fit.condition)
-    assert len(refined) == 1  # with all degrees above it that the triangle has
-    assert len(factored) == 1  # from then on it is there
+    assert len(refined) == 1  # with all higher degrees that R has
+    assert len(factored) == 1  # from then on R comes from the rows
     assert MAX_UNCORRECTED_CONDITION < refined[0] < MAX_CONDITION_WITH_ROWS < factored[0]
 
 
@@ -120,7 +125,7 @@ def test_rows_of_gradients_are_factored_in_chunks_too(constraints: str) -> None:
         assert a.d_dist == pytest.approx(b.d_dist, rel=1e-10)
 
 
-def test_columns_that_layers_of_an_algebraic_shape_explain_are_left_out() -> None:
+def test_columns_that_are_collinear_on_layers_of_an_algebraic_shape_are_left_out() -> None:
     points, normals = shapes.sphere().sample(6000)  # three spheres: degree 6 vanishes on all of them
     for factor in ("moments", "tsqr"):
         result = fitted(points, normals, factor, max_degree=7)
@@ -135,7 +140,7 @@ def test_threads_change_nothing() -> None:
     np.testing.assert_allclose(one.polynomial.coefficients, two.polynomial.coefficients, rtol=1e-9, atol=1e-12)
 
 
-def test_what_needs_rows_is_refused_with_its_reason() -> None:
+def test_options_that_need_all_rows_are_refused_with_the_reason() -> None:
     with pytest.raises(InvalidOptionsError, match="criterion loo needs the rows that factor tsqr does not keep"):
         FitOptions.of(factor="tsqr", criterion="loo")
     with pytest.raises(InvalidOptionsError, match="constraints min-max needs the rows"):
@@ -151,3 +156,97 @@ def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
     assert max(step.condition for step in result.steps) <= MAX_CONDITION_OF_MOMENTS
     assert result.degree < 30
     assert any("Moments alone" in warning for warning in result.warnings)
+
+
+class Recorded(DataRows):
+    """Records how R was computed, and up to which degree."""
+
+    def __init__(self, data: OrientedPoints, options: FitOptions) -> None:
+        super().__init__(data, options)
+        self.calls: list[tuple[str, int]] = []
+
+    def from_moments(self, degree: int) -> RFactor:
+        self.calls.append(("moments", degree))
+        return super().from_moments(degree)
+
+    def from_rows(self, degree: int) -> RFactor:
+        self.calls.append(("rows", degree))
+        return super().from_rows(degree)
+
+
+def recorded(
+    count: int,
+    max_degree: int,
+    degrees: list[int],
+    **given: Any,  # noqa: ANN401 - options
+) -> list[tuple[str, int]]:
+    """Return the calls for fits of these degrees to points in the plane."""
+    data = OrientedPoints.of(check_points(*rough(2, count)), 12)
+    options = FitOptions.of(**({"geometric": False} | given))
+    source = Recorded(data, options)
+    fitter = QLessFit(data, options, max_degree, source)
+    for degree in degrees:
+        assert fitter.raise_to(graded.count(2, degree)) is not None
+    return source.calls
+
+
+@pytest.mark.parametrize(
+    ("given", "way"),
+    [
+        ({"factor": "auto"}, "rows"),  # small
+        ({"factor": "moments"}, "moments"),
+        ({"factor": "tsqr"}, "rows"),
+        ({"constraints": "3l+gradient"}, "rows"),
+    ],
+)
+def test_moments_are_summed_if_they_determine_the_fit_and_are_worth_it(given: dict[str, Any], way: str) -> None:
+    assert [call for call, _ in recorded(500, 4, [2], **given)] == [way]
+
+
+def test_a_system_is_small_up_to_a_number_of_entries(monkeypatch: pytest.MonkeyPatch) -> None:
+    entries = 3 * 500 * graded.count(2, 4)
+    for limit, way in ((entries, "rows"), (entries - 1, "moments")):
+        monkeypatch.setattr(q_less, "SMALL_SYSTEM_ENTRIES", limit)
+        assert [call for call, _ in recorded(500, 4, [2])] == [way]
+
+
+def test_r_is_computed_for_some_degrees_more_than_are_needed_but_never_for_more_than_can_be() -> None:
+    assert recorded(500, 20, [1, 6, 7, 10], criterion="gcv") == [("rows", 6), ("rows", 11)]
+    assert recorded(500, 8, [1, 7], criterion="gcv") == [("rows", 6), ("rows", 8)]
+    assert recorded(500, 8, [1, 7], criterion="none") == [("rows", 8)]  # where every degree will be fitted
+    # 12 points determine 12 columns, which end in degree 4
+    assert recorded(12, 20, [1], criterion="none") == [("rows", 4)]
+    assert recorded(6, 20, [1], criterion="none") == [("rows", 2)]
+    assert recorded(500, 4, [4], factor="moments") == [("moments", 4)]  # no more is needed than there is
+
+
+def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:
+    held = OrientedPoints.of(check_points(*rough(2, 300)), 12)
+    twice = replace(held, points=np.tile(held.points, (2, 1)), normals=np.tile(held.normals, (2, 1)), count=600)
+    options = FitOptions.of(ridge="full", ridge_strength=1e-2)
+    fit = QLessFit(replace(held, count=600), options, 5, DataRows(twice, options)).raise_to(21)
+    dense = LeastSquaresFit(twice, options, 5).raise_to(21)
+    assert fit is not None
+    np.testing.assert_allclose(fit.polynomial.coefficients, dense.polynomial.coefficients, atol=1e-9)
+    assert fit.degrees_of_freedom == pytest.approx(dense.degrees_of_freedom, rel=1e-9)
+    assert fit.rss == pytest.approx(dense.rss, rel=1e-9)
+    assert fit.rows == dense.rows == 1800
+
+
+def test_the_ridged_solution_of_an_ill_conditioned_system_is_that_of_the_dense_fit() -> None:
+    data = OrientedPoints.of(check_points(*rough(2, 500)), 12)
+    options = FitOptions.of(factor="moments", ridge="full", ridge_strength=1e-12)
+    fit = QLessFit(data, options, 12, DataRows(data, options)).raise_to(graded.count(2, 12))
+    dense = LeastSquaresFit(data, options, 12).raise_to(graded.count(2, 12))
+    assert fit is not None
+    assert fit.condition > MAX_UNCORRECTED_CONDITION  # where a fit without a ridge is corrected
+    np.testing.assert_allclose(fit.polynomial(data.points), dense.polynomial(data.points), atol=1e-10)
+
+
+def test_moments_that_were_summed_before_are_used_as_far_as_they_reach() -> None:
+    data = OrientedPoints.of(check_points(*rough(2, 200)), 12)
+    options = FitOptions.of(geometric=False)
+    some = LayerMoments.of(data.points[:100], data.normals[:100], 5, options.layer_offsets)  # not of all the points
+    source = SummedRows(data, options, some)
+    assert source.from_moments(5).rows == 300
+    assert source.from_moments(6).rows == 600

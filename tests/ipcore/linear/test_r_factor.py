@@ -18,7 +18,7 @@ def of_rows(M: FloatArray, b: FloatArray, size: int) -> RFactor:
 
 
 @pytest.mark.parametrize("size", [7, 100, 500])
-def test_every_prefix_of_a_triangle_gives_the_least_squares_solution(size: int) -> None:
+def test_every_prefix_of_r_gives_the_least_squares_solution(size: int) -> None:
     M, b = system(500, 40)
     whole = of_rows(M, b, size)
     assert (whole.rows, whole.columns, whole.from_gram) == (500, 40, False)
@@ -29,7 +29,7 @@ def test_every_prefix_of_a_triangle_gives_the_least_squares_solution(size: int) 
         assert whole.residual_norm**2 + (whole.rhs[k:] ** 2).sum() == pytest.approx(rss[0], rel=1e-12)
 
 
-def test_joined_triangles_are_that_of_all_rows() -> None:
+def test_joined_factors_are_that_of_all_rows() -> None:
     M, b = system(300, 20)
     joined = of_rows(M[:120], b[:120], 50).joined(of_rows(M[120:], b[120:], 50))
     whole = of_rows(M, b, 300)
@@ -38,14 +38,14 @@ def test_joined_triangles_are_that_of_all_rows() -> None:
     assert joined.rows == 300
 
 
-def test_fewer_rows_than_columns_leave_the_rest_of_the_triangle_empty() -> None:
+def test_with_fewer_rows_than_columns_r_has_as_many_rows_that_are_not_zero() -> None:
     M, b = system(5, 8)
     few = of_rows(M, b, 2)
     np.testing.assert_allclose(few.R.T @ few.R, M.T @ M, atol=100 * EPS)
     assert few.residual_norm == pytest.approx(0.0, abs=100 * EPS)
 
 
-def test_normal_equations_give_the_same_triangle_up_to_the_square_of_the_condition() -> None:
+def test_normal_equations_give_the_same_factor_up_to_the_square_of_the_condition() -> None:
     M, b = system(500, 40)
     M[:, 5] = M[:, 4] + 1e-5 * M[:, 5]  # condition 1e5
     squared, exact = RFactor.of_normal_equations(M.T @ M, M.T @ b, float(b @ b), 500), of_rows(M, b, 100)

@@ -117,7 +117,7 @@ def test_more_damping_is_less_condition_less_freedom_and_more_residual() -> None
         assert more.ridged == more.columns == 66
 
 
-def test_freedom_is_the_trace_of_the_hat_matrix() -> None:
+def test_degrees_of_freedom_are_the_trace_of_the_hat_matrix() -> None:
     M, b, D = system(5)
     factor = BlockGramSchmidt(b, FULL, M.shape[1])
     factor.append(M[:, :6], D[:6])

@@ -87,3 +87,65 @@ def test_presets_are_where_options_start_from() -> None:
     assert paper.on_collinear is Collinear.DROP
     assert FitOptions.of("paper", ridge="none").ridge == "none"
     assert FitOptions(**paper.to_dict()) == paper
+
+
+@pytest.mark.parametrize(
+    ("given", "holds", "from_moments"),
+    [
+        ({}, False, False),  # not linear
+        ({"geometric": False}, False, True),
+        ({"geometric": False, "signs": True}, False, False),
+        ({"constraints": "5l"}, False, True),
+        ({"constraints": "3l+gradient"}, False, False),
+        ({"constraints": "min-var"}, True, False),
+        ({"constraints": "taubin"}, True, False),
+        ({"criterion": "gcv"}, False, True),
+        ({"criterion": "loo"}, True, False),
+        ({"factor": "moments"}, False, True),
+        ({"factor": "tsqr"}, False, False),
+        ({"factor": "block"}, True, False),
+        ({"factor": "gram-schmidt"}, True, False),
+    ],
+)
+def test_options_tell_what_a_linear_fit_holds_and_what_moments_determine(
+    given: dict[str, Any], *, holds: bool, from_moments: bool
+) -> None:
+    options = FitOptions.of(**given)
+    assert options.holds_design_matrix is holds
+    assert options.fits_from_moments is from_moments
+
+
+@pytest.mark.parametrize(
+    ("name", "edge", "over"),
+    [
+        ("layer_distance", 0.3, 0.3001),
+        ("gradient_weight", 100.0, 100.1),
+        ("t2", 1.0, 1.001),
+        ("t2", -1.0, -1.001),
+        ("collinear_tol", 1.0, 1.001),
+        ("collinear_tol", 0.0, -1e-9),
+        ("ridge_strength", 1e6, 1.1e6),
+        ("angle_weight", 1.0, 1.001),
+        ("neighbours", 3, 2),
+        ("neighbours", 100, 101),
+        ("max_degree", 40, 41),
+    ],
+)
+def test_ranges_include_their_ends(name: str, edge: float, over: float) -> None:
+    assert getattr(FitOptions(**{name: edge}), name) == edge  # type: ignore[arg-type] # a number
+    with pytest.raises(InvalidOptionsError, match=name):
+        FitOptions(**{name: over})  # type: ignore[arg-type] # a number
+
+
+@pytest.mark.parametrize(
+    ("given", "at"),
+    [
+        ({"geometric": True, "criterion": "gcv"}, "geometric"),
+        ({"signs": True, "ridge": "full"}, "signs"),
+        ({"robust": True, "geometric": False}, "robust"),
+    ],
+)
+def test_linear_fits_are_refused_what_only_others_have(given: dict[str, Any], at: str) -> None:
+    with pytest.raises(InvalidOptionsError) as caught:
+        FitOptions.of(**given)
+    assert caught.value.at == (at,)

@@ -1,0 +1,63 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ipcore import FitOptions, shapes
+from ipcore.fitting import choose_linear_fitter
+from ipcore.points.oriented import OrientedPoints
+from ipcore.points.validation import check
+from ipcore.search.closeness import closeness
+from ipcore.search.degree_search import Candidate, DegreeSearch
+from ipcore.search.diagnostics import diagnose
+from ipcore.search.stopping import stopping_criterion
+
+OPTIONS = FitOptions.of(geometric=False, criterion="none", measure_zero_set=False)
+
+
+def candidate() -> tuple[OrientedPoints, Candidate]:
+    """Return points beside a superellipse, and a fit of degree 2."""
+    points, normals = shapes.superellipse().sample(200)
+    data = OrientedPoints.of(
+        check(points + np.random.default_rng(0).normal(scale=0.02, size=points.shape), normals), 12
+    )
+    fitter = choose_linear_fitter(data, OPTIONS, 2)
+    return data, DegreeSearch(data, OPTIONS, fitter, stopping_criterion(OPTIONS)).run([6], None)[0]
+
+
+@pytest.mark.parametrize("converted", [False, True])
+def test_distances_are_those_of_the_delivered_polynomial_over_all_points(*, converted: bool) -> None:
+    data, best = candidate()
+    f = best.fit.polynomial
+    delivered = f.to_chebyshev() if converted else f
+    found = diagnose(best, delivered, data, OPTIONS, None)
+    distances = np.abs(f.distance(data.points))
+    assert found.d_dist == pytest.approx(distances.mean(), rel=1e-9)
+    assert found.distance_p95 == pytest.approx(np.quantile(distances, 0.95), rel=1e-9)
+    assert found.distance_max == pytest.approx(distances.max(), rel=1e-9)
+    assert found.bounded is True
+    assert (found.stray, found.components, found.quiet, found.outliers) == (None, None, None, None)
+
+
+def test_points_without_weight_are_the_outliers_and_do_not_count() -> None:
+    data, best = candidate()
+    weights = np.where(np.arange(200) < 30, 0.0, 1.0)
+    f = best.fit.polynomial
+    robust = replace(best, fit=replace(best.fit, weights=weights))
+    found = diagnose(robust, f.to_chebyshev(), data, OPTIONS, None)
+    assert found.outliers == 0.15
+    assert found.d_dist == pytest.approx(np.abs(f.distance(data.points[30:])).mean(), rel=1e-9)
+    assert found.d_dist == pytest.approx(closeness(f, data, weights).d_dist, rel=1e-9)
+
+
+@pytest.mark.parametrize(("quiet", "expected"), [(True, True), (False, False), (None, False)])
+def test_with_sign_constraints_a_zero_set_that_was_not_checked_is_not_quiet(
+    *, quiet: bool | None, expected: bool
+) -> None:
+    data, best = candidate()
+    options = FitOptions(measure_zero_set=False)
+    found = diagnose(
+        replace(best, fit=replace(best.fit, quiet=quiet, unsure=0.2)), best.fit.polynomial, data, options, 0.5
+    )
+    assert found.quiet is expected
+    assert (found.unsure, found.orthogonality_loss) == (0.2, 0.5)
