@@ -95,6 +95,8 @@ def test_a_fixed_degree_out_of_range_is_refused() -> None:
         with pytest.raises(InvalidOptionsError, match=reason) as caught:
             ipcore.fit_fixed(points, normals, degree=degree)
         assert caught.value.at == ("degree",)
+    # as many coefficients as points are determined
+    assert ipcore.fit_fixed(points[:15], normals[:15], QUICK, degree=4, method="3l").degree == 4
     with pytest.raises(InvalidOptionsError, match="method must be 3l or"):
         ipcore.fit_fixed(points, normals, degree=2, method="2l")
 
