@@ -1,4 +1,4 @@
-"""The options of a fit as JSON, query parameters, arguments of the command line and a table of the README.
+"""The options of a fit as JSON, query parameters and arguments of the command line.
 
 Options come in here as strings and leave as `ipcore.FitOptions`; no other module converts them. Each field says what
 the option is for, when to change it and what that costs. Choices come from the library's enumerations, and whether the
@@ -8,10 +8,9 @@ options agree with each other is checked by the library.
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
-from pydantic.fields import FieldInfo
 
 import ipcore
-from service.choices import OneOf, alternatives, words
+from service.choices import OneOf
 from service.jobs.errors import InvalidInputError, json_pointer
 from service.jobs.requested_options import RequestedOptions
 
@@ -151,15 +150,6 @@ class FitOptions(BaseModel):
     )
 
 
-# How the README and the command line describe a default that depends on something else.
-DEPENDENT_DEFAULTS = {
-    "max_degree": "by dimension",
-    "collinear": "by `ridge`",
-    "signs": "see `geometric`",
-    "geometric": "on",
-}
-
-
 def requested(body: dict[str, Any], query: dict[str, Any] | None = None) -> RequestedOptions:
     """Return the options of a request; those in the query take the place of those in the body.
 
@@ -200,29 +190,3 @@ def agreeing(given: dict[str, Any]) -> RequestedOptions:
     except ipcore.InvalidOptionsError as error:
         raise InvalidInputError(str(error), ("options", *error.at)) from error
     return options
-
-
-def default(name: str) -> str:
-    """Return the default of an option as Markdown text."""
-    value = FitOptions.model_fields[name].default
-    return DEPENDENT_DEFAULTS[name] if value is None else f"`{str(value).lower()}`"
-
-
-def values(field: FieldInfo) -> str:
-    """Return the values that an option allows as Markdown text: its words, or its range."""
-    if named := words(field.annotation):
-        return " ".join(f"`{word}`" for word in named)
-    if bool in alternatives(field.annotation):
-        return "`true` `false`"
-    signs = {"ge": "≥", "gt": ">", "le": "≤", "lt": "<"}
-    return ", ".join(
-        f"{signs[name]} {getattr(bound, name):g}" for bound in field.metadata for name in signs if hasattr(bound, name)
-    )
-
-
-def table() -> str:
-    """Return all options as a Markdown table with the columns name, values, default and meaning."""
-    rows = ["| option | values | default | meaning |", "| --- | --- | --- | --- |"]
-    for name, field in FitOptions.model_fields.items():
-        rows.append(f"| `{name}` | {values(field)} | {default(name)} | {field.description} |")
-    return "\n".join(rows)

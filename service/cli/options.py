@@ -9,8 +9,9 @@ import typer
 from pydantic.fields import FieldInfo
 
 from service.choices import alternatives
+from service.cli.option_texts import default
 from service.jobs.errors import InvalidInputError
-from service.options import FitOptions, agreeing, default
+from service.options import FitOptions, agreeing
 
 
 def with_fit_options(command: Callable[..., None]) -> Callable[..., None]:

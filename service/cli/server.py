@@ -16,7 +16,7 @@ from fastapi import FastAPI
 from pydantic import ValidationError
 
 from service.bootstrap import application, drain, end_drain
-from service.options import table as fit_options
+from service.cli.option_texts import table as fit_options
 from service.settings import Settings, table
 
 # Seconds that running requests get to end when the server stops: uploads and exports of zero sets. Requests that wait

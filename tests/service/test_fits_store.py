@@ -206,9 +206,9 @@ def test_what_cannot_be_kept_is_not_accepted(store: SqlFits) -> None:
 
 def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
     add(store, fit())
-    assert store.start("one", LeaseHolder("me", 0.05)) == 1
+    assert store.start("one", LeaseHolder("me", 0.5)) == 1
     assert store.start("one", OTHER) is None
-    time.sleep(0.1)
+    time.sleep(0.6)
     assert store.start("one", OTHER) == 2
     assert not store.renew("one", 1, 60.0)
     assert not store.report("one", 1, [{"degree": 1}])

@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 import ipcore
 from ipcore import shapes
 from service.cli.app import app
-from service.options import FitOptions, requested, table
+from service.cli.option_texts import table
+from service.options import FitOptions, requested
 from tests.service.bodies import ellipse, npy, torus
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "options.md"
