@@ -9,7 +9,7 @@ import numpy as np
 
 from ipcore._typing import BoolArray, ExtendedArray, FloatArray, IntArray
 from ipcore.errors import InvalidPointsError, InvalidPolynomialError
-from ipcore.polynomial import evaluation, graded, univariate
+from ipcore.polynomial import evaluation, graded, plain, univariate
 from ipcore.polynomial.box import Box
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.univariate import Basis
@@ -159,14 +159,7 @@ class ImplicitPolynomial:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain lists and numbers, ready for JSON; `from_dict` reads them back bit for bit."""
-        return {
-            "degree": self.degree,
-            "basis": str(self.basis),
-            "exponents": self.exponents.tolist(),
-            "coefficients": self.coefficients.tolist(),
-            "frame": {"centre": self.frame.centre.tolist(), "scale": self.frame.scale},
-            "bounds": self.bounds.tolist(),
-        }
+        return plain.write(self.degree, self.coefficients, self.frame, self.bounds, self.basis)
 
     @classmethod
     def from_dict(cls, parts: dict[str, Any]) -> Self:
@@ -178,21 +171,7 @@ class ImplicitPolynomial:
             If a part is missing or the parts do not fit together.
 
         """
-        try:
-            frame = Frame(np.array(parts["frame"]["centre"], dtype=float), float(parts["frame"]["scale"]))
-            degree, powers = int(parts["degree"]), np.array(parts["exponents"], dtype=np.intp)
-            given, bounds = np.array(parts["coefficients"], dtype=float), np.array(parts["bounds"], dtype=float)
-            kind = Basis(parts.get("basis", Basis.MONOMIAL))
-        except (KeyError, TypeError, ValueError) as error:
-            raise InvalidPolynomialError(f"not a polynomial: {error}") from error
-        d = len(frame.centre)
-        if powers.shape != (len(given), d) or powers.min() < 0 or powers.sum(axis=1).max() > degree:
-            raise InvalidPolynomialError(
-                f"exponents must be one row of {d} per coefficient, of total degree 0 to {degree}", ("exponents",)
-            )
-        a = np.zeros(graded.count(d, degree))
-        np.add.at(a, graded.column(powers), given)
-        return cls(degree, a, frame, bounds, kind)
+        return cls(*plain.read(parts))
 
     def _changed(self, change: Callable[[int, float, float], ExtendedArray], basis: Basis) -> Self:
         """Return the polynomial in the other basis.
