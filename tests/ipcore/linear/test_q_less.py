@@ -10,23 +10,13 @@ import ipcore
 from ipcore import FitOptions, FitResult, Moments, StopReason, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
-from ipcore.linear import q_less
 from ipcore.linear.dense import LeastSquaresFit
-from ipcore.linear.layer_moments import LayerMoments
 from ipcore.linear.q_less import MAX_UNCORRECTED_CONDITION, QLessFit
-from ipcore.linear.qr.r_factor import RFactor
-from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows, SummedRows
+from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
-
-SHAPES = {2: shapes.superellipse, 3: shapes.genus_two}
-
-
-def rough(d: int, count: int = 4000) -> tuple[FloatArray, FloatArray]:
-    """Return points that no polynomial meets, and their normals."""
-    points, normals = SHAPES[d]().sample(count)
-    return points + np.random.default_rng(0).normal(scale=0.02, size=points.shape), normals
+from tests.ipcore.linear.rough_shapes import rough
 
 
 def fitted(points: FloatArray, normals: FloatArray, factor: str, **given: Any) -> FitResult:  # noqa: ANN401 - options
@@ -158,68 +148,6 @@ def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
     assert any("Moments alone" in warning for warning in result.warnings)
 
 
-class Recorded(DataRows):
-    """Records how R was computed, and up to which degree."""
-
-    def __init__(self, data: OrientedPoints, options: FitOptions) -> None:
-        super().__init__(data, options)
-        self.calls: list[tuple[str, int]] = []
-
-    def from_moments(self, degree: int) -> RFactor:
-        self.calls.append(("moments", degree))
-        return super().from_moments(degree)
-
-    def from_rows(self, degree: int) -> RFactor:
-        self.calls.append(("rows", degree))
-        return super().from_rows(degree)
-
-
-def recorded(
-    count: int,
-    max_degree: int,
-    degrees: list[int],
-    **given: Any,  # noqa: ANN401 - options
-) -> list[tuple[str, int]]:
-    """Return the calls for fits of these degrees to points in the plane."""
-    data = OrientedPoints.of(check_points(*rough(2, count)), 12)
-    options = FitOptions.of(**({"geometric": False} | given))
-    source = Recorded(data, options)
-    fitter = QLessFit(data, options, max_degree, source)
-    for degree in degrees:
-        assert fitter.raise_to(graded.count(2, degree)) is not None
-    return source.calls
-
-
-@pytest.mark.parametrize(
-    ("given", "way"),
-    [
-        ({"factor": "auto"}, "rows"),  # small
-        ({"factor": "moments"}, "moments"),
-        ({"factor": "tsqr"}, "rows"),
-        ({"constraints": "3l+gradient"}, "rows"),
-    ],
-)
-def test_moments_are_summed_if_they_determine_the_fit_and_are_worth_it(given: dict[str, Any], way: str) -> None:
-    assert [call for call, _ in recorded(500, 4, [2], **given)] == [way]
-
-
-def test_a_system_is_small_up_to_a_number_of_entries(monkeypatch: pytest.MonkeyPatch) -> None:
-    entries = 3 * 500 * graded.count(2, 4)
-    for limit, way in ((entries, "rows"), (entries - 1, "moments")):
-        monkeypatch.setattr(q_less, "SMALL_SYSTEM_ENTRIES", limit)
-        assert [call for call, _ in recorded(500, 4, [2])] == [way]
-
-
-def test_r_is_computed_for_some_degrees_more_than_are_needed_but_never_for_more_than_can_be() -> None:
-    assert recorded(500, 20, [1, 6, 7, 10], criterion="gcv") == [("rows", 6), ("rows", 11)]
-    assert recorded(500, 8, [1, 7], criterion="gcv") == [("rows", 6), ("rows", 8)]
-    assert recorded(500, 8, [1, 7], criterion="none") == [("rows", 8)]  # where every degree will be fitted
-    # 12 points determine 12 columns, which end in degree 4
-    assert recorded(12, 20, [1], criterion="none") == [("rows", 4)]
-    assert recorded(6, 20, [1], criterion="none") == [("rows", 2)]
-    assert recorded(500, 4, [4], factor="moments") == [("moments", 4)]  # no more is needed than there is
-
-
 def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:
     held = OrientedPoints.of(check_points(*rough(2, 300)), 12)
     twice = replace(held, points=np.tile(held.points, (2, 1)), normals=np.tile(held.normals, (2, 1)), count=600)
@@ -241,12 +169,3 @@ def test_the_ridged_solution_of_an_ill_conditioned_system_is_that_of_the_dense_f
     assert fit is not None
     assert fit.condition > MAX_UNCORRECTED_CONDITION  # where a fit without a ridge is corrected
     np.testing.assert_allclose(fit.polynomial(data.points), dense.polynomial(data.points), atol=1e-10)
-
-
-def test_moments_that_were_summed_before_are_used_as_far_as_they_reach() -> None:
-    data = OrientedPoints.of(check_points(*rough(2, 200)), 12)
-    options = FitOptions.of(geometric=False)
-    some = LayerMoments.of(data.points[:100], data.normals[:100], 5, options.layer_offsets)  # not of all the points
-    source = SummedRows(data, options, some)
-    assert source.from_moments(5).rows == 300
-    assert source.from_moments(6).rows == 600

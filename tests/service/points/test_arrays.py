@@ -1,64 +1,20 @@
-"""npy, npz and JSON: fields by name, what is no real number, shapes that lie, and nesting without end."""
+"""npy and npz: fields by name, what is no real number, and shapes that lie."""
 
 import base64
 import json
-import zipfile
-from collections.abc import Callable
 from io import BytesIO
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from service.formats.points import decode
-from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
-from service.jobs.fit import PointSet
-from service.jobs.media_types import Missing
-from tests.service.bodies import Array, ellipse, npy, sphere
+from service.jobs.errors import MalformedInputError
+from tests.service.bodies import npy
+from tests.service.points.arrays import BALL, NAMES, OUTLINE, QUICK, gives, npz, read, records, refused
 
-BALL = sphere(30)
-OUTLINE = ellipse(20)
-NAMES = ("x", "y", "z", "nx", "ny", "nz")
-QUICK = settings(deadline=None, max_examples=60)
 NUMBERS = ["<f8", ">f8", "<f4", ">f4", "<i4", ">i2", "<u8", "|u1", "|i1", "<f2"]
-
-
-def read(content: bytes, kind: str = "npy", columns: str | None = None, missing: Missing = "refuse") -> PointSet:
-    return decode.read(content, kind, 1000, columns=columns, missing=missing)
-
-
-def refused(content: bytes, kind: str = "npy", columns: str | None = None) -> InvalidInputError:
-    with pytest.raises(InvalidInputError) as caught:
-        read(content, kind, columns)
-    return caught.value
-
-
-def npz(**arrays: Array) -> bytes:
-    return saved(arrays, np.savez)
-
-
-def saved(arrays: dict[str, Array], save: Callable[..., None]) -> bytes:
-    file = BytesIO()
-    save(file, **arrays)
-    return file.getvalue()
-
-
-def records(table: Array, names: list[str], kinds: list[str], more: list[tuple[str, str]]) -> Array:
-    made = np.zeros(len(table), dtype=[*zip(names, kinds, strict=True), *more])
-    for i, name in enumerate(names):
-        made[name] = table[:, i]
-    return made
-
-
-def gives(found: PointSet, points: Array, normals: Array | None = None, within: float = 1e-15) -> bool:
-    x, n = decode.split(found.content, found.dimension)
-    if (n is None) != (normals is None):
-        return False
-    return np.allclose(x, points, atol=within) and (
-        n is None or normals is None or np.allclose(n, normals, atol=within)
-    )
 
 
 # Records
@@ -197,156 +153,3 @@ def test_a_shape_that_lies_is_refused(shape: tuple[int, ...], order: bool, packe
 def test_records_of_no_bytes_are_refused(fields: str, count: int) -> None:
     literal = f"{{'descr': {fields}, 'fortran_order': False, 'shape': ({count},), }}\n".encode()
     refused(b"\x93NUMPY\x01\x00" + len(literal).to_bytes(2, "little") + literal)
-
-
-# Archives
-
-
-@pytest.mark.parametrize("compressed", [False, True])
-@pytest.mark.parametrize("name", ["points", "arr_0", "vertices", "Ünit"])
-def test_one_array_of_an_archive_may_have_any_name(name: str, compressed: bool) -> None:  # noqa: FBT001 - of the table
-    content = saved({name: BALL}, np.savez_compressed if compressed else np.savez)
-    assert gives(read(content, "npz"), BALL[:, :3], BALL[:, 3:])
-
-
-@pytest.mark.parametrize("fields", [None, ("nx", "ny", "nz"), ("x", "y", "z"), ("nz", "nx", "ny"), ("NY", "NZ", "NX")])
-def test_normals_of_an_archive_stand_beside_the_points(fields: tuple[str, ...] | None) -> None:
-    normals = BALL[:, 3:]
-    if fields is not None:
-        order = ["xyz".index(name[-1].lower()) for name in fields]
-        normals = records(BALL[:, [3 + i for i in order]], list(fields), ["<f8"] * 3, [])
-    found = read(npz(points=BALL[:, :3], normals=normals, colours=np.zeros(3)), "npz")
-    assert gives(found, BALL[:, :3], BALL[:, 3:])
-
-
-@pytest.mark.parametrize(
-    ("arrays", "says"),
-    [
-        ({"a": OUTLINE, "b": OUTLINE}, "one must be called points; here are a, b"),
-        ({}, "one must be called points; here are none"),
-        ({"points": BALL, "normals": BALL[:, 3:]}, "normals in two places"),
-        ({"points": BALL[:, :3], "normals": BALL[:9, 3:]}, "they must match"),
-        ({"points": BALL[:, :3], "normals": BALL[:, 3:].astype(complex)}, "dtype must be"),
-        ({"points": BALL[:, :3], "normals": np.zeros(30, dtype=[("nx", "<f8"), ("ny", "<f8")])}, "3 fields"),
-        ({"points": np.array(5.0)}, "two axes"),
-    ],
-)
-def test_archives_that_do_not_make_points_are_refused(arrays: dict[str, Array], says: str) -> None:
-    assert says in str(refused(npz(**arrays), "npz"))
-
-
-def test_of_an_archive_no_more_is_unpacked_than_points_can_have() -> None:
-    bomb = BytesIO()
-    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("points.npy", npy(np.zeros((200_000, 2))))
-    assert bomb.tell() < 20_000
-    with pytest.raises(TooLargeError):
-        read(bomb.getvalue(), "npz")
-
-
-@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
-def test_an_archive_that_is_packed_otherwise_is_refused(method: int) -> None:
-    file = BytesIO()
-    with zipfile.ZipFile(file, "w", method) as archive:
-        archive.writestr("points.npy", npy(OUTLINE))
-    assert "packed" in str(refused(file.getvalue(), "npz"))
-
-
-@QUICK
-@given(at=st.integers(0, 2000), damage=st.binary(min_size=1, max_size=6))
-def test_a_damaged_archive_is_read_or_refused(at: int, damage: bytes) -> None:
-    whole = saved({"points": OUTLINE}, np.savez_compressed)
-    try:
-        read(whole[:at] + damage + whole[at + len(damage) :], "npz")
-    except InvalidInputError as error:
-        assert str(error)  # noqa: PT017 - nothing else may be raised
-
-
-# JSON
-
-
-@pytest.mark.parametrize("depth", [2, 200, 254, 255, 257, 500, 1000, 1023, 1024, 5000, 100_000])
-@pytest.mark.parametrize("brackets", [("[", "]"), ('{"a":', "}")])
-@pytest.mark.parametrize("place", ["points", "normals", "row", "cell", "options", "data"])
-def test_json_nested_to_any_depth_is_refused_or_read(depth: int, brackets: tuple[str, str], place: str) -> None:
-    nest = brackets[0] * depth + "1" + brackets[1] * depth
-    points = json.dumps(OUTLINE.tolist())
-    body = {
-        "points": f'{{"points": {nest}}}',
-        "normals": f'{{"points": {points}, "normals": {nest}}}',
-        "row": f'{{"points": [[0, 1], {nest}]}}',
-        "cell": f'{{"points": [[0, 1], [0, {nest}]]}}',
-        "options": f'{{"points": {points}, "options": {{"t1": {nest}}}}}',
-        "data": f'{{"points": {{"dtype": "<f8", "shape": [1, 2], "data": {nest}}}}}',
-    }[place]
-    if place == "options" and depth < 1010:
-        assert read(body.encode(), "json").points == 20
-    else:
-        assert len(str(refused(body.encode(), "json"))) < 200
-
-
-@pytest.mark.parametrize("value", [None, True, "two", "x" * 9999, [], [[[]]], {}, {"a": [1]}, "\ud7ff\U0001f600"])
-def test_a_value_that_is_no_number_is_shown(value: object) -> None:
-    error = refused(json.dumps({"points": [*OUTLINE.tolist(), [1.0, value]]}).encode(), "json")
-    assert error.at == ("points", 20, 1)
-    assert "points row 20, column 1 is not a number: " in str(error)
-    assert len(str(error)) < 120
-
-
-@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
-@pytest.mark.parametrize("packed", [False, True])
-def test_json_with_a_byte_order_mark_is_read(mark: bytes, packed: bool) -> None:  # noqa: FBT001 - of the table
-    array = {"dtype": "<f8", "shape": [20, 2], "data": base64.b64encode(OUTLINE.tobytes()).decode()}
-    body = json.dumps({"points": array if packed else OUTLINE.tolist()}).encode()
-    assert gives(read(mark + body, "json"), OUTLINE)
-
-
-@pytest.mark.parametrize(
-    "body", [b"\xef\xbb\xbf", b"\xef\xbb\xbf\xef\xbb\xbf{}", b"{}\xef\xbb\xbf", b"\xff\xfe{\x00}\x00"]
-)
-def test_a_byte_order_mark_alone_makes_no_json(body: bytes) -> None:
-    assert isinstance(refused(body, "json"), MalformedInputError)
-
-
-# Missing values
-
-
-@pytest.mark.parametrize("kind", ["npy", "npz", "json", "packed"])
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("columns", [(0,), (1, 4), (5,)])
-def test_points_with_missing_values_are_refused_or_left_out(kind: str, bad: float, columns: tuple[int, ...]) -> None:
-    table = BALL.copy()
-    table[[4, 9], columns[0]] = bad
-    table[9, columns[-1]] = bad
-    if kind == "json":
-        rows = [[value if np.isfinite(value) else None for value in row] for row in table.tolist()]
-        content = json.dumps({"points": [r[:3] for r in rows], "normals": [r[3:] for r in rows]}).encode()
-    elif kind == "packed":
-        halves = {"points": table[:, :3], "normals": table[:, 3:]}
-        packed = {
-            name: {"dtype": "<f8", "shape": [30, 3], "data": base64.b64encode(half.tobytes()).decode()}
-            for name, half in halves.items()
-        }
-        content = json.dumps(packed).encode()
-    else:
-        content = npy(table) if kind == "npy" else npz(points=table[:, :3], normals=table[:, 3:])
-    name = kind if kind in ("npy", "npz") else "json"
-    error = refused(content, name)
-    assert error.at[1] == 4
-    found = read(content, name, missing="drop")
-    kept = np.delete(BALL, [4, 9], axis=0)
-    assert found.left_out == 2
-    assert gives(found, kept[:, :3], kept[:, 3:])
-
-
-def test_the_message_about_a_missing_value_says_how_to_leave_it_out() -> None:
-    table = OUTLINE.copy()
-    table[3, 1] = np.nan
-    assert str(refused(npy(table))).endswith("missing=drop leaves such points out")
-    assert "missing" not in str(refused(npy(np.ones((9, 2)))))
-
-
-def test_normals_that_do_not_match_are_refused_even_if_missing_values_are_left_out() -> None:
-    body = json.dumps({"points": OUTLINE.tolist(), "normals": OUTLINE[:9].tolist()}).encode()
-    with pytest.raises(InvalidInputError, match="they must match"):
-        read(body, "json", missing="drop")
