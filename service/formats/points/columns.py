@@ -202,14 +202,16 @@ def _check_normals(normals: Array, width: int, *, unit: bool) -> None:
     """Refuse the second half (N, d) of a table without names unless its rows are normals."""
     complete = normals[np.isfinite(normals).all(axis=1)]
     first = width // 2 + 1
-    if len(complete) and ((complete == np.round(complete)) & (complete >= 0) & (complete <= 255)).all():
+    length = _lengths(complete)
+    if not len(complete) or np.abs(length - 1.0).max() <= LENGTH_TOLERANCE:
+        return
+    if ((complete == np.round(complete)) & (complete >= 0) & (complete <= 255)).all():
         raise InvalidInputError(
             f"columns {first} to {width} hold whole numbers from 0 to 255, as colours do, and have no names: "
             + _advice(width),
             ("columns",),
         )
-    length = _lengths(complete)
-    if len(length) and not _are_normals(complete, length, unit=unit):
+    if unit or not _have_one_length(complete, length):
         wanted = "1" if unit else "1, or one in many directions"
         raise InvalidInputError(
             f"{width} columns without names: columns {first} to {width} are not normals, whose length would be "
@@ -225,15 +227,13 @@ def _lengths(vectors: Array) -> Array:
         return np.asarray(largest * np.linalg.norm(vectors / largest, axis=1))
 
 
-def _are_normals(vectors: Array, length: Array, *, unit: bool) -> bool:
-    """Return whether vectors (N, d) of these lengths (N,) are normals: of length 1, or else, unless `unit`, of any one.
+def _have_one_length(vectors: Array, length: Array) -> bool:
+    """Return whether vectors (N, d) of these lengths (N,) may be normals: of one length, in many directions.
 
-    Those of another length must not all have one direction, as z beside a constant has.
+    Not all in one direction, as z beside a constant.
     """
-    if np.abs(length - 1.0).max() <= LENGTH_TOLERANCE:
-        return True
     usual = float(np.median(length))
-    if unit or not 0.0 < usual < np.inf or np.abs(length - usual).max() > LENGTH_TOLERANCE * usual:
+    if not 0.0 < usual < np.inf or np.abs(length - usual).max() > LENGTH_TOLERANCE * usual:
         return False
     return float(np.linalg.norm((vectors / usual).mean(axis=0))) < ONE_DIRECTION
 
