@@ -8,7 +8,7 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
 class Settings(BaseSettings):
-    """The settings of a server. The table in the README is made from these fields."""
+    """The settings of a server. The table in docs/settings.md is made from these fields."""
 
     model_config = SettingsConfigDict(env_prefix="IPFIT_", frozen=True)
 

@@ -1,11 +1,11 @@
-"""Texts about the options of a fit, for the command line and the README."""
+"""Texts about the options of a fit, for the command line and docs/options.md."""
 
 from pydantic.fields import FieldInfo
 
 from service.choices import alternatives, words
 from service.options import FitOptions
 
-# How the README and the command line describe a default that depends on something else.
+# How docs/options.md and the command line describe a default that depends on something else.
 DEPENDENT_DEFAULTS = {
     "max_degree": "by dimension",
     "collinear": "by `ridge`",
