@@ -131,7 +131,7 @@ def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
         count, dimension = checked.points.shape
         check_integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
         columns = graded.count(dimension, degree)
-        if columns > count:
+        if columns - 1 > count:
             raise InvalidOptionsError(
                 f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
             )

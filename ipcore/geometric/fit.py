@@ -15,6 +15,7 @@ import numpy as np
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.geometric import continuation
+from ipcore.geometric.algebraic_start import exact_or
 from ipcore.geometric.balance import balance
 from ipcore.geometric.descent import AFTER_A_CHANGE, Descent
 from ipcore.geometric.exchange import Exchange
@@ -46,7 +47,7 @@ class GeometricFit:
         self._data, self._options = data, options
         self._rule = rule
         count, d = data.points.shape
-        self._last = max((n for n in range(1, max_degree + 1) if graded.count(d, n) <= count), default=1)
+        self._last = graded.highest_determined(d, count, max_degree)
         self._weights = np.where(crowded(data.points), 1.0, 0.0) if options.robust else np.ones(count)
         trusted = self._weights > 0.0
         self._sides = InsideOutside(data.points[trusted], data.normals[trusted], data.bounds)
@@ -100,7 +101,8 @@ class GeometricFit:
 
     def _followed(self, descent: Descent) -> Refined:
         """Return the fit at the end of the homotopy."""
-        return continuation.follow(descent, self._coefficients, geometric=self._options.on_geometric)
+        fit = continuation.follow(descent, self._coefficients, geometric=self._options.on_geometric)
+        return exact_or(descent, fit) if self._options.on_geometric else fit
 
     def _with_all_points(self, descent: Descent, fit: Refined) -> Refined:
         """Return the fit, refined with all points if it was made with some and is near to meeting the rule."""

@@ -21,6 +21,7 @@ SEARCH_RADIUS = 0.25  # mean radii: longer distances change nothing in the fit, 
 COARSE_LINES = {2: 64, 3: 32}  # of the grid, per axis; what it misses is near the data, where w is computed anyway
 COARSE_POINTS = 1500  # points that stand for all on the coarse grid: 0.2 s in 3D
 LEVEL_PROBES = 300  # points beside which the level between the two sides is measured
+LEAST_JUMP = 0.25  # of w from the inside to the outside, which is 1 at a surface: less is none
 WINDING_PAIRS = 2e7  # of places and points at most, where w is computed at the places: 0.1 s
 # Below CLEAR_COSINE the cosine between the nearest normal and the direction to it does not tell the side, and below
 # half of it the winding number's distance from the level does not. With these, no side was wrong farther than 0.025
@@ -32,6 +33,7 @@ UNSURE_WINDING = 0.12  # the side is unsure where w is nearer than this to the l
 # first keeps thin parts whole (the outlines of bench/QUALITY.md).
 BLIND_RADII = 0.02
 BLIND_SPACINGS = {2: 0.7, 3: 1.0}
+TOUCHING_NEIGHBOURS, TOUCHING_SPACINGS = 8, 0.2  # of a point where the shape may touch itself
 ISOLATED_SPACINGS = 3.0  # median spacings: a point farther from its neighbours counts as an outlier in a robust fit
 
 
@@ -73,7 +75,7 @@ class InsideOutside:
         """Take points and unit outward normals (N, d), and the bounds (2, d) that the coarse grid covers."""
         d = points.shape[1]
         self.tree = cKDTree(points)
-        self._points, self._normals, self._areas = points, normals, winding.areas(points)
+        self._points, self._normals, self._areas = points, normals, winding.oriented_areas(points, normals)
         spacing = self._areas ** (1.0 / (d - 1))
         self.spacing = float(np.median(spacing))
         self._blind_radius = np.maximum(BLIND_RADII, BLIND_SPACINGS[d] * spacing)
@@ -100,6 +102,27 @@ class InsideOutside:
         sure = (np.abs(outward) > UNSURE_WINDING) & (distance > blind_radius)
         return Classification(distance, blind_radius, np.where(sure, np.sign(outward), 0.0))
 
+    def side_of_tangent(self, places: FloatArray) -> FloatArray:
+        """Return on which side of the tangent at the nearest point places (M, d) are: 1 outside, −1 inside, (M,).
+
+        Within the blind radius, where nothing better is known, it tells a thin part of the shape from a hole in it.
+        """
+        index = nearest(self.tree, places)[1]
+        return np.asarray(np.sign(((places - self._points[index]) * self._normals[index]).sum(axis=1)))
+
+    def touching(self, places: FloatArray) -> BoolArray:
+        """Return whether the shape touches itself at the point nearest to each of the places (M, d), (M,).
+
+        It does where the tangent passes through a point that faces the other way, to `TOUCHING_SPACINGS`.
+        """
+        index = nearest(self.tree, places)[1]
+        p, n = self._points, self._normals
+        around = nearest(self.tree, p[index], min(TOUCHING_NEIGHBOURS, len(p) - 1) + 1)[1]
+        opposed = np.einsum("mkd,md->mk", n[around], n[index]) < winding.OPPOSED_COSINE
+        height = np.abs(np.einsum("mkd,md->mk", p[around] - p[index, None], n[index]))
+        spacing = self._areas[index] ** (1.0 / (p.shape[1] - 1))
+        return np.asarray((opposed & (height < TOUCHING_SPACINGS * spacing[:, None])).any(axis=1))
+
     def _doubtful(self, places: FloatArray, index: IntArray, distance: FloatArray, outward: FloatArray) -> BoolArray:
         """Return at which places (M, d) the interpolated level − w, `outward` (M,), may have the wrong sign, (M,).
 
@@ -118,15 +141,22 @@ class InsideOutside:
         """Return `count` random points (n, d), their normals (n, d), and the areas (n,) that each then stands for."""
         some = self._order[:count]
         p = self._points[some]
-        return p, self._normals[some], winding.areas(p) if count < len(self._points) else self._areas[some]
+        n = self._normals[some]
+        return p, n, winding.oriented_areas(p, n) if count < len(self._points) else self._areas[some]
 
     def _level_between_sides(self) -> float:
-        """Return the level: the median over points of the mean of w one spacing inside and one spacing outside."""
+        """Return the level: the median over points of the mean of w one spacing inside and one spacing outside.
+
+        Where the shape is thinner than a spacing both places are outside, and w does not differ between them: a shape
+        that is thin everywhere is taken to be closed.
+        """
         p, n, A = self._sample(COARSE_POINTS)
         step = A[:LEVEL_PROBES, None] ** (1.0 / (p.shape[1] - 1)) * n[:LEVEL_PROBES]
         both = np.concatenate([p[:LEVEL_PROBES] - step, p[:LEVEL_PROBES] + step])
-        w = winding.winding_number(both, p, n, A).reshape(2, -1).mean(axis=0)
-        return float(np.clip(np.median(w), 0.0, 0.5))
+        w = winding.winding_number(both, p, n, A).reshape(2, -1)
+        if np.median(w[0] - w[1]) < LEAST_JUMP:
+            return winding.SURFACE_WINDING
+        return float(np.clip(np.median(w.mean(axis=0)), 0.0, 0.5))
 
 
 def crowded(points: FloatArray) -> BoolArray:

@@ -10,6 +10,7 @@ from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.leading_form import is_bounded
 from ipcore.search.closeness import closeness, distance_quantile
+from ipcore.search.coverage import coverage
 from ipcore.search.degree_search import Candidate
 from ipcore.search.result import Diagnostics
 from ipcore.zero_set.stray import straying
@@ -31,8 +32,14 @@ def diagnose(
     """
     fitted, weights = best.fit.polynomial, best.fit.weights
     at_data = best.closeness if delivered is fitted else closeness(delivered, data, weights)
-    (stray, components), self_check, bounded = _in_parallel(
-        [partial(_stray, delivered, data, options), data.self_check, partial(is_bounded, fitted)], data.count
+    (stray, components), self_check, bounded, covered = _in_parallel(
+        [
+            partial(_stray, delivered, data, options),
+            data.self_check,
+            partial(is_bounded, fitted),
+            partial(coverage, delivered, data, options.t1, weights),
+        ],
+        data.count,
     )
     return Diagnostics(
         d_dist=at_data.d_dist,
@@ -48,6 +55,7 @@ def diagnose(
         quiet=bool(best.fit.quiet) if options.on_signs else None,
         unsure=best.fit.unsure,
         outliers=None if weights is None else float((weights == 0.0).mean()),
+        coverage=covered,
     )
 
 

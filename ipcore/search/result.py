@@ -46,6 +46,9 @@ class Step:
     quiet
         Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not checked,
         because the fit is linear or still far from the criterion.
+    coverage
+        Share of the data that have a zero of f within 3 t1; None if that was not checked, because the fit does not meet
+        t1 and t2.
 
     """
 
@@ -64,6 +67,7 @@ class Step:
     diagonal_ratio: float | None = None
     iterations: int = 0
     quiet: bool | None = None
+    coverage: float | None = None
 
     @property
     def alpha(self) -> int:
@@ -104,6 +108,8 @@ class Diagnostics:
         sign constraints.
     outliers
         Share of the points that a robust fit left out, and that no other figure counts; None if the fit is not robust.
+    coverage
+        Share of the data that have a zero of f within 3 t1, shown by a change of the sign of f.
 
     """
 
@@ -120,6 +126,7 @@ class Diagnostics:
     quiet: bool | None = None
     unsure: float | None = None
     outliers: float | None = None
+    coverage: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
