@@ -19,12 +19,13 @@ from ipcore.geometric.algebraic_start import exact_or
 from ipcore.geometric.balance import balance
 from ipcore.geometric.descent import AFTER_A_CHANGE, Descent
 from ipcore.geometric.exchange import Exchange
-from ipcore.geometric.inside_outside import InsideOutside, crowded
+from ipcore.geometric.inside_outside import InsideOutside
 from ipcore.geometric.levenberg_marquardt import Refined, condition
 from ipcore.geometric.objective import DataTables, Objective
 from ipcore.geometric.sign_constraints import SignConstraints, SignNodes
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
+from ipcore.points.outliers import crowded
 from ipcore.polynomial import graded
 from ipcore.polynomial.univariate import Basis
 from ipcore.search.fitter import PrefixFit

@@ -34,7 +34,6 @@ UNSURE_WINDING = 0.12  # the side is unsure where w is nearer than this to the l
 BLIND_RADII = 0.02
 BLIND_SPACINGS = {2: 0.7, 3: 1.0}
 TOUCHING_NEIGHBOURS, TOUCHING_SPACINGS = 8, 0.2  # of a point where the shape may touch itself
-ISOLATED_SPACINGS = 3.0  # median spacings: a point farther from its neighbours counts as an outlier in a robust fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,14 +156,3 @@ class InsideOutside:
         if np.median(w[0] - w[1]) < LEAST_JUMP:
             return winding.SURFACE_WINDING
         return float(np.clip(np.median(w.mean(axis=0)), 0.0, 0.5))
-
-
-def crowded(points: FloatArray) -> BoolArray:
-    """Return which points (N, d) have a spacing below `ISOLATED_SPACINGS` times the median, (N,): no outliers.
-
-    >>> line = np.column_stack([np.arange(50.0), np.zeros(50)])
-    >>> bool(crowded(np.vstack([line, [[20.0, 15.0]]]))[-1]), int(crowded(line).sum())
-    (False, 50)
-    """
-    spacing = winding.areas(points) ** (1.0 / (points.shape[1] - 1))
-    return np.asarray(spacing < ISOLATED_SPACINGS * np.median(spacing))

@@ -9,7 +9,9 @@ import numpy as np
 
 from ipcore._typing import FloatArray
 from ipcore.points import winding
+from ipcore.points.distinct import without_copies
 from ipcore.points.normals import NormalSource, orient
+from ipcore.points.outliers import without_outliers
 from ipcore.points.sample import SAMPLE_SIZE, Sample
 from ipcore.points.stream import PointStream
 from ipcore.points.validation import PointSet, unit
@@ -84,6 +86,9 @@ class OrientedPoints:
         N, the number of all points.
     stream
         The stream of all points, if `points` are a sample of them; else None.
+    merged, outliers, incomplete
+        How many of the caller's points are not among these: copies of others, outliers, and points with a missing
+        value.
 
     """
 
@@ -95,6 +100,21 @@ class OrientedPoints:
     planar: bool
     count: int
     stream: PointStream | None = None
+    merged: int = 0
+    outliers: int = 0
+    incomplete: int = 0
+
+    @classmethod
+    def prepared(cls, given: PointSet | PointStream, neighbours: int, *, robust: bool) -> Self:
+        """Return points as `of` does, but of copies only one, and without outliers if the fit is `robust`.
+
+        Of a stream nothing is left out. `neighbours` is as for `of`.
+        """
+        if isinstance(given, PointStream):
+            return cls.of(given, neighbours)
+        distinct, merged = without_copies(given)
+        left, outliers = without_outliers(distinct) if robust else (distinct, 0)
+        return replace(cls.of(left, neighbours), merged=merged, outliers=outliers, incomplete=given.incomplete)
 
     @classmethod
     def of(cls, given: PointSet | PointStream, neighbours: int, frame: Frame | None = None) -> Self:

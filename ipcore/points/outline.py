@@ -161,7 +161,7 @@ def _along(p: FloatArray, *, closed: bool) -> tuple[FloatArray, FloatArray]:
     if not closed:
         steps[-1] = 0.0
     length = np.linalg.norm(steps, axis=1, keepdims=True)
-    median = np.median(length[length > 0.0])
+    median = np.median(length[length > 0.0]) if length.any() else 1.0  # else one point only, between two jumps
     even = steps * (median / np.maximum(length, median))
     even = np.append(
         even, np.zeros((0 if closed else len(STEP_WEIGHTS), 2)), axis=0

@@ -225,8 +225,8 @@ def _on_thin_part(p: FloatArray, n: FloatArray, step: FloatArray) -> BoolArray:
     """Return which of the first M points have the opposite side of a thin part within a step, behind them, (M,).
 
     `p` and `n` (N, d) are the points and their normals, `step` (M, d) the steps from the first M of them to outside.
-    The opposite side is that of the nearest point that faces the other way, if each of the two is behind the plane of the
-    other one. A point whose normal is wrong is in front of or behind its neighbours' planes as they are of its own.
+    The opposite side is that of the nearest point that faces the other way, if each of the two is behind the plane of
+    the other one. A point whose normal is wrong is in front of or behind its neighbours' planes as they are of its own.
     """
     m, k = len(step), min(3 * NEIGHBOURS[p.shape[1]], len(p) - 1)
     indices = nearest(cKDTree(p), p[:m], k + 1)[1]

@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any
 
 from ipcore import _threads
+from ipcore._typing import FloatArray
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial.implicit import ImplicitPolynomial
@@ -54,9 +55,16 @@ def diagnose(
         orthogonality_loss=orthogonality_loss,
         quiet=bool(best.fit.quiet) if options.on_signs else None,
         unsure=best.fit.unsure,
-        outliers=None if weights is None else float((weights == 0.0).mean()),
+        outliers=_outliers(data, weights) if options.robust else None,
         coverage=covered,
+        merged=data.merged,
     )
+
+
+def _outliers(data: OrientedPoints, weights: FloatArray | None) -> float:
+    """Return the share of the distinct points that were left out, before the fit or in it, where their weight is 0."""
+    left_out = data.outliers + (0 if weights is None else int((weights == 0.0).sum()))
+    return left_out / (data.count + data.outliers)
 
 
 def _stray(delivered: ImplicitPolynomial, data: OrientedPoints, options: FitOptions) -> tuple[float | None, int | None]:

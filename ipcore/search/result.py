@@ -6,6 +6,7 @@ from typing import Any
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.normals import NormalSource
 from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.search.fit_warning import FitWarning
 from ipcore.search.stop_reason import StopReason
 
 
@@ -107,9 +108,12 @@ class Diagnostics:
         Share of the box, without what is near the data, where the data do not tell inside from outside; None without
         sign constraints.
     outliers
-        Share of the points that a robust fit left out, and that no other figure counts; None if the fit is not robust.
+        Share of the distinct points that a robust fit left out, and that no other figure counts; None if the fit is not
+        robust.
     coverage
         Share of the data that have a zero of f within 3 t1, shown by a change of the sign of f.
+    merged
+        How many of the given points were copies of others; each place is fitted once.
 
     """
 
@@ -127,6 +131,7 @@ class Diagnostics:
     unsure: float | None = None
     outliers: float | None = None
     coverage: float | None = None
+    merged: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +149,7 @@ class FitResult:
     diagnostics
         What was measured of the answer at the data, and of its zero set.
     warnings
-        What a careful user should know, in plain words.
+        What a careful user should know, each with a code and in plain words.
     options
         The options of the fit.
     version
@@ -158,7 +163,7 @@ class FitResult:
     stop_reason: StopReason
     steps: tuple[Step, ...]
     diagnostics: Diagnostics
-    warnings: tuple[str, ...]
+    warnings: tuple[FitWarning, ...]
     options: FitOptions
     version: str
     input_sha256: str
@@ -175,7 +180,7 @@ class FitResult:
             "stop_reason": str(self.stop_reason),
             "steps": [asdict(step) for step in self.steps],
             "diagnostics": asdict(self.diagnostics),
-            "warnings": list(self.warnings),
+            "warnings": [warning.to_dict() for warning in self.warnings],
             "options": self.options.to_dict(),
             "engine": {"version": self.version, "input_sha256": self.input_sha256},
         }

@@ -9,6 +9,7 @@ from fastapi import Request, Response
 
 from service.jobs.fit import Fit
 from service.jobs.media_types import ZeroSetFormat
+from service.jobs.warning_codes import with_codes
 
 
 def fit_response(
@@ -62,5 +63,6 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
             "detail": fit.failure.detail,
         }
     if fit.result is not None:
-        members |= orjson.loads(fit.result)
+        result = orjson.loads(fit.result)
+        members |= result | {"warnings": with_codes(result["warnings"])}
     return members

@@ -115,8 +115,6 @@ def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
     typer.echo(f"D_dist {found.d_dist:.4f} mean radii, D_smooth {found.d_smooth:.4f}")
     if found.stray is not None:
         typer.echo(f"zero set: {found.components} components, {found.stray:.2%} of it away from the data")
-    if given.left_out:
-        typer.echo(f"warning: {given.left_out} points with a missing value were left out")
     for warning in result.warnings:
         typer.echo(f"warning: {warning}")
 

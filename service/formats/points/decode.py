@@ -97,6 +97,7 @@ def checked(raw: RawPoints, options: ReadOptions) -> PointSet:
         raise InvalidInputError(_with_remedy(error.message, complete), error.at) from error
     table = given.points if given.normals is None else np.hstack([given.points, given.normals])
     content, (count, dimension) = _npy(table), given.points.shape
+    left_out = len(raw.points) - len(complete.points)
     return PointSet(
         content,
         key=hashlib.sha256(content).hexdigest(),
@@ -104,8 +105,8 @@ def checked(raw: RawPoints, options: ReadOptions) -> PointSet:
         points=count,
         normals=given.normals is not None,
         options=raw.options,
-        summary=PointSetSummary.of(given),
-        left_out=len(raw.points) - len(complete.points),
+        summary=PointSetSummary.of(given, left_out),
+        left_out=left_out,
     )
 
 

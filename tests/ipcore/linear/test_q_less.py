@@ -145,7 +145,7 @@ def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
     assert result.stop_reason is StopReason.ILL_CONDITIONED
     assert max(step.condition for step in result.steps) <= MAX_CONDITION_OF_MOMENTS
     assert result.degree < 30
-    assert any("Moments alone" in warning for warning in result.warnings)
+    assert any("Moments alone" in warning.message for warning in result.warnings)
 
 
 def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:

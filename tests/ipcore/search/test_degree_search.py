@@ -44,7 +44,7 @@ def test_on_noisy_points_a_criterion_finds_its_minimum_and_tries_some_degrees_mo
     scores = [getattr(step, criterion) for step in result.steps]
     best = int(np.argmin(scores))
     assert result.degree == result.steps[best].degree == result.steps[-1].degree - DEGREES_PAST_MINIMUM
-    assert not any("criterion" in warning for warning in result.warnings)
+    assert not any("criterion" in warning.message for warning in result.warnings)
     # it is close to the best that any degree could do, seen from the clean points
     assert np.abs(result.polynomial.distance(clean)).mean() < 2.0 * least_error_of_all_degrees(0.03)
 
