@@ -18,6 +18,7 @@ from ipcore.options.choices import (
     RidgeMatrix,
 )
 from ipcore.options.degrees import HIGHEST_DEGREE, last_degree
+from ipcore.options.idle import Acting, check_acting
 from ipcore.options.presets import PRESETS
 from ipcore.options.ranges import RANGES, check_integer, check_number
 from ipcore.polynomial.univariate import Basis
@@ -91,7 +92,7 @@ class FitOptions:
     Raises
     ------
     InvalidOptionsError
-        If a value is not allowed, or contradicts another; `at` names the option.
+        If a value is not allowed, contradicts another, or has no effect beside the others; `at` names the option.
 
     """
 
@@ -135,7 +136,14 @@ class FitOptions:
         for name in given:
             if name not in names:
                 raise InvalidOptionsError(f"there is no option {name}", (name,))
-        return cls(**{**start, **given})
+        try:
+            return cls(**{**start, **given})
+        except InvalidOptionsError as error:
+            if not set(error.at) <= start.keys() - given.keys():
+                raise
+            # an option of the preset has no effect beside those given, and nobody asked for it
+            acting = {name: value for name, value in start.items() if name not in error.at}
+            return cls(**{**acting, **given})
 
     def __post_init__(self) -> None:
         """Check every value that does not depend on the data, and replace names by the members that they name."""
@@ -161,6 +169,20 @@ class FitOptions:
             geometric=self.geometric,
             robust=self.robust,
             is_linear=self.is_linear,
+        )
+        for field in fields(self):
+            if getattr(self, field.name) != field.default:
+                check_acting(field.name, self._acting)
+
+    @property
+    def _acting(self) -> Acting:
+        """What decides which options act."""
+        return Acting(
+            is_linear=self.is_linear,
+            family=self.family,
+            has_ridge=self.ridge is not Ridge.NONE,
+            drops_columns=self.on_collinear is not Collinear.KEEP,
+            by_distance=self.criterion is Criterion.DISTANCE,
         )
 
     @property
