@@ -5,7 +5,7 @@ from pathlib import Path
 import psycopg
 
 from tests.service.postgres import Postgres
-from tests.service.running import Server, Worker
+from tests.service.running import Server, Worker, until
 
 
 class Cluster:
@@ -35,6 +35,19 @@ class Cluster:
         """Return the names of the lease holders of running fits."""
         with psycopg.connect(str(self._settings["DATABASE_URL"])) as connection:
             return {row[0] for row in connection.execute("SELECT holder FROM fits WHERE holder IS NOT NULL")}
+
+    def await_workers(self) -> None:
+        """Return when each worker started so far waits for fits: its processes have started, and it asks for jobs.
+
+        Each has two rows in Procrastinate's list, one for fits and one for the upkeep.
+        """
+
+        def listed() -> int:
+            with psycopg.connect(self.database) as connection:
+                row = connection.execute("SELECT count(*) FROM procrastinate_workers").fetchone()
+            return int(row[0]) if row else 0
+
+        until(lambda: listed() >= 2 * len(self.workers), 60.0)
 
     def count(self) -> int:
         """Return how many fits are stored."""

@@ -47,6 +47,7 @@ class Site:
         else:
             self.server = self.cluster.serve(**(SPLIT | settings))
             self.workers = [self.cluster.work(**(SPLIT | settings)) for _ in range(workers)]
+            self.cluster.await_workers()  # a process that still loads its modules is busy, too, but with no part
         return self.server
 
     def again(self) -> Server:
