@@ -46,7 +46,7 @@ def count_components(
         (2, d), the corners of the box, raw.
 
     """
-    used = np.unique(cells)
+    used = _used(cells, len(vertices))
     x, component = vertices[used], np.unique(labels(cells, len(vertices))[used], return_inverse=True)[1]
     group = np.arange(component.max() + 1 if len(used) else 0)
     if not 1 < len(group) <= MOST_PIECES:
@@ -65,6 +65,13 @@ def count_components(
             if group[first] == group[second]:
                 break
     return len(np.unique(group))
+
+
+def _used(cells: IntArray, vertices: int) -> IntArray:
+    """Return the vertices (n,) of cells (C, d), in ascending order, given V, `vertices`."""
+    used = np.zeros(vertices, dtype=bool)
+    used[cells] = True
+    return np.flatnonzero(used)
 
 
 def _unite(group: IntArray, members: IntArray, local: IntArray) -> None:
@@ -130,6 +137,6 @@ def _pieces(
     cells = found.mesh.cells[~found.mesh.cap]
     if not len(cells):
         return none
-    used = np.unique(cells)
+    used = _used(cells, len(found.mesh.vertices))
     distance, index = nearest(cKDTree(found.mesh.vertices[used]), onto_zero_set(polynomial, places, spacing)[0])
     return np.where(distance <= 2.0 * found.spacing, labels(cells, len(found.mesh.vertices))[used[index]], -1)

@@ -18,7 +18,7 @@ from ipcore.zero_set.mesh import Mesh, cell_middles
 from ipcore.zero_set.thickness import PLACES, TOLERATED_THIN, thin_share
 
 DENSE_NODES = 1 << 21  # up to so many nodes, to evaluate all of them takes no longer than to find those that matter
-FINEST_RESOLUTION = {2: 4096, 3: 1536}  # that is chosen: an ellipse of 500 : 1 is resolved, an ellipsoid of 200 : 1 : 1
+FINEST_RESOLUTION = {2: 8192, 3: 1536}  # that is chosen: an ellipse of 500 : 1 is resolved, an ellipsoid of 200 : 1 : 1
 MOST_CELLS = 600_000  # expected on a finer grid, above which it is not tried: at degree 12, some 2 s
 SIGN_BLOCKS = 8  # along each axis, on which the sign of f is bounded where a grid finds no zero set
 
@@ -127,7 +127,7 @@ def _may_double(found: Extracted, polynomial: ImplicitPolynomial) -> bool:
     d, cells = len(found.lines), len(found.mesh.cells)
     if 2 * found.resolution > FINEST_RESOLUTION[d] or 2 ** (d - 1) * cells > MOST_CELLS:
         return False
-    return cells > 0 or _may_vanish(polynomial, found.box)
+    return found.thin is not None or _may_vanish(polynomial, found.box)
 
 
 def _may_vanish(polynomial: ImplicitPolynomial, box: FloatArray) -> bool:

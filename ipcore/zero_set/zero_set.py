@@ -131,7 +131,7 @@ def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kep
     resolution
         Grid points along the longest axis, at least 4; the other axes get as many as make the grid cells near-cubic.
         By default 256 in 2D and 96 in 3D, doubled until at most 15 % of the zero set is thinner than four grid cells
-        (up to 4096 in 2D and 1536 in 3D, and not if there would be more than 600,000 cells).
+        (up to 8192 in 2D and 1536 in 3D, and not if there would be more than 600,000 cells).
     data
         (N, d), raw points, at least 2, against which `stray` is measured.
     restrict
