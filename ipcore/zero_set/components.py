@@ -47,9 +47,12 @@ def count_components(
 
     """
     used = _used(cells, len(vertices))
-    x, component = vertices[used], np.unique(labels(cells, len(vertices))[used], return_inverse=True)[1]
-    group = np.arange(component.max() + 1 if len(used) else 0)
-    if not 1 < len(group) <= MOST_PIECES:
+    label = labels(cells, len(vertices))[used]
+    if (label == label[:1]).all():
+        return min(1, len(used))
+    x, component = vertices[used], np.unique(label, return_inverse=True)[1]
+    group = np.arange(component.max() + 1)
+    if len(group) > MOST_PIECES:
         return len(group)
     looks: set[tuple[int, int]] = set()
     for _, first, second, ends in _breaks(polynomial, _gaps(x, component, GAP_CELLS * spacing), spacing, bounds):

@@ -28,6 +28,7 @@ BINS = 64
 # Data by which the spacing of many is estimated: the median is off by 1/25 of the spread, and the 99th percentile that
 # the gap radius needs lies between the 98.4th and the 99.6th.
 SPACING_SAMPLE = 1024
+FEW_POINTS = 1024  # the nearest datum of so few points is found faster than their bins
 BIN_SLACK = 0.998  # for rounding, which is below …
 LEAST_BIN = 1e-9  # … this share of the coordinates, the least side of a bin
 
@@ -53,7 +54,7 @@ def support_radius(data: FloatArray, scale: float) -> float:
     >>> support_radius(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), scale=10.0)
     2.5
     """
-    return support_radius_of(data.shape[1], scale, float(np.median(_spacings(data)[:, 0])))
+    return support_radius_of(data.shape[1], scale, float(np.median(_spacings(data, 1))))
 
 
 def gap_radius(data: FloatArray) -> float:
@@ -63,23 +64,23 @@ def gap_radius(data: FloatArray) -> float:
     >>> round(gap_radius(100 / (2 * np.pi) * np.column_stack([np.cos(turn), np.sin(turn)])), 2)
     3.74
     """
-    return GAP_FACTOR * float(np.quantile(_spacings(data)[:, -1], GAP_QUANTILE))
+    return GAP_FACTOR * float(np.quantile(_spacings(data, GAP_NEIGHBOUR), GAP_QUANTILE))
 
 
 def is_beyond_support(x: FloatArray, data: FloatArray, threads: int | None = None) -> BoolArray:
     """Return which points x (n, d) are beyond the support radius of the data (N, d), (n,); all raw.
 
-    Most points are judged by the cubic bin in which they lie. All points in a bin that holds data are within the
-    radius, if the bin's diagonal is shorter. All points in a bin are beyond it if no bin within the radius holds data.
-    The nearest datum is searched for the points in the other bins only.
+    Most of many points are judged by the cubic bin in which they lie. All points in a bin that holds data are within
+    the radius, if the bin's diagonal is shorter. All points in a bin are beyond it if no bin within the radius holds
+    data. The nearest datum is searched for the points in the other bins only.
 
     >>> data = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
     >>> is_beyond_support(np.array([[0.1, 0.0], [1.5, 0.0], [9.0, 0.0]]), data).tolist()
     [False, False, True]
     """
-    if not len(x):
-        return np.zeros(0, dtype=np.bool_)
     radius = support_radius(data, Frame.of(data).scale)
+    if len(x) <= FEW_POINTS:
+        return np.isinf(nearest(cKDTree(data), x, within=radius)[0])
     both = [np.concatenate(columns) for columns in zip(x.T, data.T, strict=True)]  # numpy is slow along rows of three
     lower, upper = np.array([c.min() for c in both]), np.array([c.max() for c in both])
     side = max(float((upper - lower).max()) / BINS, LEAST_BIN * float(np.abs([lower, upper]).max()))
@@ -101,15 +102,16 @@ def _bins(x: FloatArray, lower: FloatArray, side: float, counts: tuple[int, ...]
     return np.asarray(np.ravel_multi_index(tuple(at.T), counts, mode="clip"))
 
 
-def _spacings(data: FloatArray) -> FloatArray:
-    """Return the distances (n, k) from some of the data (N, d) to their nearest others, up to the GAP_NEIGHBOUR-th.
+def _spacings(data: FloatArray, neighbour: int) -> FloatArray:
+    """Return the distances (n,) from some of the data (N, d) to their nearest other, the 2nd nearest, and so on.
 
-    Repeated points count once, for between them there is no distance.
+    If there are not so many others, it is the distance to the farthest. Repeated points count once, for between them
+    there is no distance.
     """
     some = data[:: 1 + len(data) // SPACING_SAMPLE]
-    k = min(GAP_NEIGHBOUR, len(data) - 1)
-    spacings = nearest(cKDTree(data), some, k + 1)[0][:, 1:]
-    if spacings[:, 0].all():
-        return spacings
+    k = min(neighbour, len(data) - 1)
+    spacings = nearest(cKDTree(data), some, k + 1)[0]
+    if spacings[:, 1].all():
+        return spacings[:, k]
     distinct = np.unique(data, axis=0)
-    return _spacings(distinct) if len(distinct) > 1 else spacings
+    return _spacings(distinct, neighbour) if len(distinct) > 1 else spacings[:, k]

@@ -3,7 +3,7 @@
 They are those of `zero_set` but for Newton's method, which changes the sizes of the cells by some thousandths.
 """
 
-from ipcore._typing import FloatArray, IntArray
+from ipcore._typing import FloatArray
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.components import count_components
 from ipcore.zero_set.grid import Grid, grid_lines
@@ -11,7 +11,7 @@ from ipcore.zero_set.marching import march_open
 from ipcore.zero_set.mesh import cell_middles, labels
 from ipcore.zero_set.refinement import refined
 from ipcore.zero_set.stray import stray_cells, stray_share
-from ipcore.zero_set.thickness import PLACES, TOLERATED_THIN, thin_share
+from ipcore.zero_set.thickness import TOLERATED_THIN, thin_share
 
 # Grid points along the longest axis of the bounds; a fit is checked on a grid as fine, see `geometric.exchange`.
 STRAY_RESOLUTION = {2: 240, 3: 88}
@@ -35,17 +35,13 @@ def straying(polynomial: ImplicitPolynomial, data: FloatArray) -> tuple[float | 
     axes = grid_lines(polynomial, None, first)
     vertices, cells = march_open(polynomial.on_grid(axes), Grid.of(axes))
     spacing = max(float(line[1] - line[0]) for line in axes)
-    share = _share(vertices, cells, data)
+    stray = stray_cells(vertices, cells, data)
+    share = stray_share(vertices, cells, stray)
     if share is not None and share > WILD_STRAY:
         return share, int(labels(cells, len(vertices)).max()) + 1
-    places = cell_middles(vertices, cells[:: 1 + len(cells) // PLACES])
-    if share is None or thin_share(polynomial, places, spacing, polynomial.bounds, data) > TOLERATED_THIN:
+    places = cell_middles(vertices, cells[~stray])
+    if share is None or thin_share(polynomial, places, spacing, polynomial.bounds) > TOLERATED_THIN:
         finer = refined(polynomial, first=2 * first, data=data)
         vertices, cells, spacing = finer.mesh.vertices, finer.mesh.cells[~finer.mesh.cap], finer.spacing
-        share = _share(vertices, cells, data)
+        share = stray_share(vertices, cells, stray_cells(vertices, cells, data))
     return share, count_components(polynomial, vertices, cells, spacing, polynomial.bounds)
-
-
-def _share(vertices: FloatArray, cells: IntArray, data: FloatArray) -> float | None:
-    """Return the stray share of cells (C, d), given their vertices (V, d) and the data (N, d); None without cells."""
-    return stray_share(vertices, cells, stray_cells(vertices, cells, data))
