@@ -14,7 +14,7 @@ from ipcore.search.closeness import closeness, distance_quantile
 from ipcore.search.coverage import coverage
 from ipcore.search.degree_search import Candidate
 from ipcore.search.result import Diagnostics
-from ipcore.zero_set.stray import straying
+from ipcore.zero_set.survey import straying
 
 # Points below which other threads are not worth starting.
 ONE_THREAD_POINTS = 4096

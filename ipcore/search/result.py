@@ -89,7 +89,8 @@ class Diagnostics:
     distance_p95, distance_max
         95th percentile and maximum of the distance |f|/‖∇f‖ over the data.
     stray
-        Share of the zero set's length or area, within the bounds, that lies away from all data; None if not measured.
+        Share of the zero set's length or area, within the bounds, that lies away from all data; None if there is no
+        zero set, or it was not measured.
     components
         Connected components of the zero set within the bounds; None if not measured.
     normal_source

@@ -46,7 +46,14 @@ ZeroSetFormatName = Annotated[
     Annotated[str, OneOf(known.name for known in ZERO_SET_FORMATS)] | None,
     Query(description=f"The file kind; wins over Accept. 3D: {_names(3)}. 2D: {_names(2)}."),
 ]
-Resolution = Annotated[int | None, Query(ge=4, description="Grid points along the longest axis.")]
+Resolution = Annotated[
+    int | None,
+    Query(
+        ge=4,
+        description="Grid points along the longest axis. Default: 256 (2D) or 96 (3D), and more where the zero set is "
+        "thin. If one is asked for that is too coarse, the response has the header `Zero-Set-Warning`.",
+    ),
+]
 Bounds = Annotated[
     str | None,
     Query(

@@ -118,9 +118,11 @@ class Diagnostics(BaseModel):
     distance_max: float = Field(description="Maximum of |f|/‖∇f‖ at the points.")
     stray: float | None = Field(
         description="Share of the zero set's length or area, within the bounds, that lies away from all points; null "
-        "if not measured."
+        "if there is no zero set, or it was not measured."
     )
-    components: int | None = Field(description="Connected components of the zero set within the bounds.")
+    components: int | None = Field(
+        description="Connected components of the zero set within the bounds; 0 if there is none, null if not measured."
+    )
     normal_source: Literal["given", "outline", "estimated"] = Field(description="Where the normals came from.")
     normal_self_check: float = Field(
         description="Share of points whose normal agrees with the inside that all normals describe, 0 … 1."

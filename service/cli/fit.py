@@ -37,7 +37,10 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
-    resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
+    resolution: Annotated[
+        int | None,
+        typer.Option(help="Grid points along the longest axis, for --mesh; by default chosen by the thickness."),
+    ] = None,
     columns: Annotated[
         str | None, typer.Option(help="What the columns of a table hold, in order: x,y,z,nx,ny,nz; _ ignores one.")
     ] = None,
@@ -69,6 +72,8 @@ def _run(
     if targets["mesh"] is not None and writer is not None:
         zero_set = ipcore.zero_set(result.polynomial, resolution=resolution, data=points)
         _write(targets["mesh"], writer(zero_set))
+        if zero_set.warning is not None:
+            typer.echo(f"warning: {zero_set.warning}")
     if targets["plot"] is not None:
         _write(targets["plot"], page.plot(result, points))
     if targets["output"] is not None:
@@ -113,7 +118,9 @@ def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
         f"degree {result.degree}, {len(result.polynomial.coefficients)} coefficients, stopped: {result.stop_reason}"
     )
     typer.echo(f"D_dist {found.d_dist:.4f} mean radii, D_smooth {found.d_smooth:.4f}")
-    if found.stray is not None:
+    if found.components == 0:
+        typer.echo("zero set: there is none within the bounds")
+    elif found.stray is not None:
         typer.echo(f"zero set: {found.components} components, {found.stray:.2%} of it away from the data")
     for warning in result.warnings:
         typer.echo(f"warning: {warning}")

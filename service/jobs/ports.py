@@ -9,6 +9,7 @@ from service.jobs.fit import Failure, Fit, FitStatus, PointSet
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
+from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
 
@@ -187,5 +188,5 @@ class Planner(Protocol):
 class MeshExporter(Protocol):
     """Makes files of zero sets."""
 
-    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> ZeroSetFile:
         """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""

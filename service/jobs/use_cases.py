@@ -22,6 +22,7 @@ from service.jobs.new_fit import new_fit
 from service.jobs.parts import split
 from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
 from service.jobs.requested_options import RequestedOptions
+from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
 
@@ -130,7 +131,7 @@ class FitService:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> bytes:
+    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> ZeroSetFile:
         """Return the file of the zero set of a successful fit.
 
         Raises

@@ -155,11 +155,16 @@ def test_bounds_are_the_datas_box_grown_by_three_tenths_of_the_mean_radius() -> 
     np.testing.assert_allclose(bounds, [points.min(axis=0) - margin, points.max(axis=0) + margin], rtol=1e-12)
 
 
+TWO = ipcore.FitOptions(max_degree=2)
+
+
 def test_wrongly_oriented_normals_are_noticed() -> None:
     points, normals = shapes.sphere().sample(500)
-    inward = ipcore.fit(points, -normals)
+    inward = ipcore.fit(points, -normals, TWO)
     assert inward.diagnostics.normal_self_check < 0.1
-    assert any("wrong way" in warning.message for warning in inward.warnings)
+    assert [warning.code for warning in inward.warnings] == ["normals-inward"]
+    mixed = ipcore.fit(points, np.where(np.arange(500)[:, None] % 5 == 0, -normals, normals), TWO)
+    assert "normals-doubtful" in [warning.code for warning in mixed.warnings]
 
 
 def test_stray_sheets_are_measured_and_reported() -> None:

@@ -333,12 +333,12 @@ def test_cells_are_near_cubic_in_an_oblong_box() -> None:
 
 @pytest.mark.parametrize("value", [1.0, -1.0])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_no_zero_set_is_empty_and_all_stray(dimension: int, value: float) -> None:
+def test_no_zero_set_is_empty_and_neither_stray_nor_thin(dimension: int, value: float) -> None:
     bounds = np.array([[-1.0] * dimension, [1.0] * dimension])
     constant = polynomial({(0,) * dimension: value}, bounds)
     z = zero_set(constant, data=np.eye(dimension))
     assert (z.vertices.shape, z.cells.shape, z.normals.shape) == ((0, dimension),) * 3
-    assert (z.components, z.stray) == (0, 1.0)
+    assert (z.components, z.stray, z.thin, z.warning) == (0, None, None, None)
     assert zero_set(constant).stray is None
     assert dimension == 3 or z.polylines() == []
 
