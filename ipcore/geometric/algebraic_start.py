@@ -1,4 +1,4 @@
-r"""The algebraic start: a fit that is exact where the points lie on an algebraic curve or surface of this degree.
+r"""The algebraic fit: a fit that is exact where the points lie on an algebraic curve or surface of this degree.
 
 The minimum of Σ f² / Σ ‖∇f‖² over the points (Taubin, PAMI 1991) is an eigenvalue problem. So it needs no start and
 does not care how the shape lies, and if a polynomial vanishes on all points it is found to rounding. The homotopy,
@@ -10,7 +10,6 @@ sheets; so it is taken only where it is exact.
 import numpy as np
 
 from ipcore._typing import FloatArray
-from ipcore.geometric.continuation import FINAL
 from ipcore.geometric.descent import Descent
 from ipcore.geometric.levenberg_marquardt import Refined
 
@@ -19,6 +18,7 @@ HIGHEST_DEGREE = 6
 # It is taken if its D_dist is so many times less than that of the homotopy, and than t1. On 28 real sets the least
 # quotient was 0.6, on noise-free algebraic shapes the largest 1e-3.
 EXACTNESS = 0.01
+MOST_POINTS = 2000  # from which it is computed, evenly spaced among all; it is compared at all
 # Factors of f of which the best is taken. At the tips of a needle ∇f is much shorter than on its sides, so that f, of
 # slope 1 on average, does not reach the margins of the sign constraints there.
 SCALES = (1.0, 10.0, 100.0, 1000.0)
@@ -27,7 +27,10 @@ RANK_TOLERANCE = 1e-13
 
 
 def exact_or(descent: Descent, fit: Refined) -> Refined:
-    """Return the refinement of the algebraic start if it is exact, else the fit of the homotopy.
+    """Return the algebraic fit if it is exact, else the given one.
+
+    It is not refined: where f reaches the margins of the sign constraints with another scale only, or does not reach
+    them, as at the tips of a needle, refining would trade exactness for them.
 
     `descent` is the objective of the degree, at t = 1.
     """
@@ -35,11 +38,11 @@ def exact_or(descent: Descent, fit: Refined) -> Refined:
     limit = EXACTNESS * min(objective.closeness(fit.evaluation)[0], descent.rule.t1)
     if objective.degree > HIGHEST_DEGREE or limit == 0.0:
         return fit
-    a = algebraic_fit(objective.rows(), objective.data.normals)
+    a = algebraic_fit(*objective.rows(MOST_POINTS))
     if a is None or objective.closeness(objective.evaluate(a))[0] > limit:
         return fit
-    exact = descent.refine(min((s * a for s in SCALES), key=lambda b: objective.evaluate(b).value), FINAL)
-    return exact if objective.closeness(exact.evaluation)[0] <= limit else fit
+    scaled = [(s * a, objective.evaluate(s * a)) for s in SCALES]
+    return Refined(*min(scaled, key=lambda one: one[1].value), steps=0)
 
 
 def algebraic_fit(rows: FloatArray, normals: FloatArray) -> FloatArray | None:

@@ -87,6 +87,8 @@ def _region_cuts(found: Violations, side: FloatArray, grid: ViolationGrid, sides
         to_main = cache(partial(_to_nearest, same_sign & ~found.minor))  # few regions need it; then often several do
         for k in range(1, count + 1):
             region: BoolArray = labels == k
+            if nodes_with_side[k] == 0.0 and _is_undecided(region, grid, sides):
+                continue
             if nodes_with_side[k] == 0.0 and not _agrees_with_tangents(region, sign, grid, sides):
                 out.append(_uniform_cuts(grid.places(region), -sign))
             elif nodes_with_side[k] == 0.0 or agreement[k] > 0.0:
@@ -94,6 +96,11 @@ def _region_cuts(found: Violations, side: FloatArray, grid: ViolationGrid, sides
                 if t is not None and _is_blocked(t, sign, found, grid, sides):
                     out.append(_uniform_cuts(t, sign))
     return out
+
+
+def _is_undecided(region: BoolArray, grid: ViolationGrid, sides: InsideOutside) -> bool:
+    """Return whether the shape touches itself near a region (N, …): the nearest tangent then tells nothing."""
+    return bool(sides.touching(grid.local(grid.places(region))).any())
 
 
 def _agrees_with_tangents(region: BoolArray, sign: float, grid: ViolationGrid, sides: InsideOutside) -> bool:
@@ -104,10 +111,14 @@ def _agrees_with_tangents(region: BoolArray, sign: float, grid: ViolationGrid, s
 def _is_blocked(t: FloatArray, sign: float, found: Violations, grid: ViolationGrid, sides: InsideOutside) -> bool:
     """Return whether f has the other sign than `sign` somewhere on a path t (M, d) where the shape has room for it.
 
-    Where the shape touches itself, as two discs do, there is none: the places on both sides are regions of their own.
+    Where the path leaves a thin part that bends, the middle of the part counts in its place. Where the shape touches
+    itself, as two discs do, there is no room: the places on both sides are regions of their own.
     """
-    other = sign * found.at(t) < 0.0
-    return bool(other.any()) and not bool(sides.touching(grid.local(t[other])).any())
+    other = t[sign * found.at(t) < 0.0]
+    if not len(other):
+        return False
+    middle = sides.middle_of_thin_part(grid.local(other))
+    return bool((sign * found.at(grid.cube(middle)) < 0.0).any()) and not sides.touching(grid.local(other)).any()
 
 
 def _subgrid_cuts(found: Violations, grid: ViolationGrid, sides: InsideOutside) -> list[Cuts]:
@@ -116,7 +127,8 @@ def _subgrid_cuts(found: Violations, grid: ViolationGrid, sides: InsideOutside) 
         return []
     places = grid.local(found.subgrid)
     known = sides.classify(places).side
-    side = np.where(known == 0.0, sides.side_of_tangent(places), known)
+    tangent = np.where(sides.touching(places), 0.0, sides.side_of_tangent(places))
+    side = np.where(known == 0.0, tangent, known)
     wrong = side * found.subgrid_values < 0.0
     return [Cuts(found.subgrid[wrong], side[wrong], np.full(wrong.sum(), UNKNOWN_SIDE_MARGIN))] if wrong.any() else []
 

@@ -66,6 +66,8 @@ class GeometricFit:
             skipped += descent.iterations
         descent, self._degree = self._descent(degree), degree
         fit = self._with_all_points(descent, self._followed(descent))
+        if self._options.on_geometric:
+            fit = exact_or(descent, fit)
         self._coefficients = fit.coefficients  # the next degree starts here: without cuts, which it may not need
         fit, quiet = self._balanced(descent, fit), None
         if self._options.on_signs and (degree == self._last or descent.excess(fit) < 1.0):
@@ -102,8 +104,7 @@ class GeometricFit:
 
     def _followed(self, descent: Descent) -> Refined:
         """Return the fit at the end of the homotopy."""
-        fit = continuation.follow(descent, self._coefficients, geometric=self._options.on_geometric)
-        return exact_or(descent, fit) if self._options.on_geometric else fit
+        return continuation.follow(descent, self._coefficients, geometric=self._options.on_geometric)
 
     def _with_all_points(self, descent: Descent, fit: Refined) -> Refined:
         """Return the fit, refined with all points if it was made with some and is near to meeting the rule."""

@@ -114,13 +114,28 @@ class InsideOutside:
 
         It does where the tangent passes through a point that faces the other way, to `TOUCHING_SPACINGS`.
         """
-        index = nearest(self.tree, places)[1]
+        index, around, opposed = self._opposed(places)
         p, n = self._points, self._normals
-        around = nearest(self.tree, p[index], min(TOUCHING_NEIGHBOURS, len(p) - 1) + 1)[1]
-        opposed = np.einsum("mkd,md->mk", n[around], n[index]) < winding.OPPOSED_COSINE
         height = np.abs(np.einsum("mkd,md->mk", p[around] - p[index, None], n[index]))
         spacing = self._areas[index] ** (1.0 / (p.shape[1] - 1))
         return np.asarray((opposed & (height < TOUCHING_SPACINGS * spacing[:, None])).any(axis=1))
+
+    def middle_of_thin_part(self, places: FloatArray) -> FloatArray:
+        """Return for each of the places (M, d) the middle of the thin part there, (M, d), or the place itself.
+
+        It is half way between the nearest point and the nearest of its neighbours that faces the other way.
+        """
+        index, around, opposed = self._opposed(places)
+        other = around[np.arange(len(places)), opposed.argmax(axis=1)]
+        middle = (self._points[index] + self._points[other]) / 2.0
+        return np.where(opposed.any(axis=1, keepdims=True), middle, places)
+
+    def _opposed(self, places: FloatArray) -> tuple[IntArray, IntArray, BoolArray]:
+        """Return the nearest points (M,) of places (M, d), their neighbours (M, k), and which face the other way."""
+        index = nearest(self.tree, places)[1]
+        around = nearest(self.tree, self._points[index], min(TOUCHING_NEIGHBOURS, len(self._points) - 1) + 1)[1]
+        cosine = np.einsum("mkd,md->mk", self._normals[around], self._normals[index])
+        return index, around, np.asarray(cosine < winding.OPPOSED_COSINE)
 
     def _doubtful(self, places: FloatArray, index: IntArray, distance: FloatArray, outward: FloatArray) -> BoolArray:
         """Return at which places (M, d) the interpolated level − w, `outward` (M,), may have the wrong sign, (M,).

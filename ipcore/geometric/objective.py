@@ -134,10 +134,15 @@ class Objective:
             value += places.cost(v)
         return Evaluation(distance, size, direction, shortfalls, float(value))
 
-    def rows(self) -> FloatArray:
-        """Return the basis functions and their partial derivatives at the data, (1 + d, N, m)."""
-        P = graded.products(self.data.tables(self.degree), graded.exponents(self.data.dimension, self.degree)).T
-        return np.stack([P, *(P @ D.T for D in self._Dt)])
+    def rows(self, most: int) -> tuple[FloatArray, FloatArray]:
+        """Return the basis functions and their partial derivatives at n ≤ `most` of the data, (1 + d, n, m).
+
+        The second array, (d, n), are the normals there.
+        """
+        some = slice(None, None, -(-len(self.data.weights) // most))
+        tables = [table[:, some] for table in self.data.tables(self.degree)]
+        P = graded.products(tables, graded.exponents(self.data.dimension, self.degree)).T
+        return np.stack([P, *(P @ D.T for D in self._Dt)]), self.data.normals[:, some]
 
     def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
         """Return the Gauss–Newton matrix H (m, m) and r (m,), half the negative gradient of φ."""

@@ -79,6 +79,10 @@ class ViolationGrid:
         """Return places t (M, d), given in the Chebyshev variables, in the normalised frame, (M, d)."""
         return self._box.from_cube(t)
 
+    def cube(self, places: FloatArray) -> FloatArray:
+        """Return places (M, d) of the normalised frame in the Chebyshev variables, (M, d)."""
+        return self._box.to_cube(places)
+
     def find(self, tensor: FloatArray) -> Violations:
         """Return the violations of the polynomial with the Chebyshev coefficients `tensor` (n+1, …)."""
         table = univariate.table(Basis.CHEBYSHEV, self.lines, len(tensor) - 1).T

@@ -12,6 +12,7 @@ from ipcore.points import winding
 from ipcore.points.distinct import without_copies
 from ipcore.points.normals import NormalSource, orient
 from ipcore.points.outliers import without_outliers
+from ipcore.points.outline import is_outline, outline_normals
 from ipcore.points.sample import SAMPLE_SIZE, Sample
 from ipcore.points.stream import PointStream
 from ipcore.points.validation import PointSet, unit
@@ -23,6 +24,9 @@ from ipcore.polynomial.univariate import Basis
 # The bounds of a fit are the data's box grown by this much on every side, in mean radii: room for the zero set to close
 # around the data, and for the outer layers (layer_distance is at most this).
 BOUNDS_MARGIN = 0.3
+# Up to this share of copies, an outline meets itself in them: it gets its normals before copies are merged, for two of
+# its curves may pass through one place. Of more copies, the outline itself is a copy.
+MEETING_SHARE = 0.05
 PART_POINTS = 8192  # points of a part, in passes over all points
 
 
@@ -113,6 +117,11 @@ class OrientedPoints:
         if isinstance(given, PointStream):
             return cls.of(given, neighbours)
         distinct, merged = without_copies(given)
+        if not robust and 0 < merged <= MEETING_SHARE * len(given.points) and _runs_along_curves(given):
+            along = replace(given, normals=outline_normals(given.points))
+            distinct, merged = without_copies(along)
+            found = replace(cls.of(distinct, neighbours), source=NormalSource.OUTLINE)
+            return replace(found, merged=merged, incomplete=given.incomplete)
         left, outliers = without_outliers(distinct) if robust else (distinct, 0)
         return replace(cls.of(left, neighbours), merged=merged, outliers=outliers, incomplete=given.incomplete)
 
@@ -185,6 +194,11 @@ class OrientedPoints:
     def self_check(self) -> float:
         """Return the share of points whose normals agree with the winding number, see `winding.self_check`."""
         return winding.self_check(self.points, self.normals)
+
+
+def _runs_along_curves(given: PointSet) -> bool:
+    """Return whether points without normals run along an outline, whose order then gives the normals."""
+    return given.normals is None and given.points.shape[1] == 2 and is_outline(given.points)
 
 
 def _grown(box: FloatArray) -> FloatArray:

@@ -121,8 +121,8 @@ class DegreeSearch:
         ]
 
     def _coverage(self, fit: PrefixFit, closeness: Closeness) -> float | None:
-        """Return the share of the data near a zero of f, if the fit would else meet the stopping rule; else None."""
-        if not self._criterion.rule.met(closeness.d_dist, closeness.d_smooth):
+        """Return the share of the data near a zero of f, if D_dist < T₁, as the stopping rule wants it; else None."""
+        if closeness.d_dist >= self._criterion.rule.t1:
             return None
         return coverage(fit.polynomial, self.data, self.options.t1, fit.weights)
 

@@ -57,8 +57,9 @@ def fit_warnings(
     `shift` is the maximum distance, in mean radii, by which delivering in another basis moves the zero set at the data.
     """
     search = [] if reason.is_expected else [FitWarning(WarningCode(reason.value), reason.advice)]
-    data = _of_the_data(diagnostics, found or DataFindings())
-    return [*search, *data, *_of_the_zero_set(diagnostics), *_of_rounding(diagnostics, shift)]
+    found = found or DataFindings()
+    shape = _of_the_zero_set(diagnostics, inward=found.inward)
+    return [*search, *_of_the_data(diagnostics, found), *shape, *_of_rounding(diagnostics, shift)]
 
 
 def _of_the_data(diagnostics: Diagnostics, found: DataFindings) -> list[FitWarning]:
@@ -105,7 +106,7 @@ def _of_the_normals(self_check: float, *, inward: bool) -> list[FitWarning]:
     return []
 
 
-def _of_the_zero_set(diagnostics: Diagnostics) -> list[FitWarning]:
+def _of_the_zero_set(diagnostics: Diagnostics, *, inward: bool) -> list[FitWarning]:
     out = []
     covered = 1.0 if diagnostics.coverage is None else diagnostics.coverage
     if diagnostics.components == 0 and not covered:
@@ -126,7 +127,7 @@ def _of_the_zero_set(diagnostics: Diagnostics) -> list[FitWarning]:
             "max_degree, or more points where they are sparse."
         )
         out.append(FitWarning(WarningCode.NOT_QUIET, text))
-    if (diagnostics.unsure or 0.0) > TOLERATED_UNSURE:
+    if (diagnostics.unsure or 0.0) > TOLERATED_UNSURE and not inward:  # else that is the cause, and was named
         text = (
             f"In {diagnostics.unsure:.0%} of the box the points do not tell inside from outside, because the surface "
             "is open or sparse there: the sign of f was not constrained there, and may be wrong."

@@ -48,8 +48,8 @@ class Step:
         Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not checked,
         because the fit is linear or still far from the criterion.
     coverage
-        Share of the data that have a zero of f within 3 t1; None if that was not checked, because the fit does not meet
-        t1 and t2.
+        Share of the data that have a zero of f within 3 t1; None if that was not checked, because D_dist is not below
+        t1.
 
     """
 

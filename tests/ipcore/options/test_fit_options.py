@@ -142,9 +142,9 @@ ACTING: dict[str, dict[str, Any]] = {
 )
 def test_ranges_include_their_ends(name: str, edge: float, over: float) -> None:
     acting = ACTING.get(name, {})
-    assert getattr(FitOptions(**{name: edge}, **acting), name) == edge
+    assert getattr(FitOptions.of(**acting | {name: edge}), name) == edge
     with pytest.raises(InvalidOptionsError, match=f"{name} must be"):
-        FitOptions(**{name: over}, **acting)
+        FitOptions.of(**acting | {name: over})
 
 
 @pytest.mark.parametrize(
