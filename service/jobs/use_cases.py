@@ -1,6 +1,7 @@
 """The use cases: read a point set, accept a fit, look it up, wait for it, export its zero set, dismiss it."""
 
 import asyncio
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -25,6 +26,7 @@ from service.jobs.requested_options import RequestedOptions
 from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
+FIT_ID = re.compile("[0-9a-f]{32}")
 
 
 class FitService:
@@ -186,7 +188,8 @@ class FitService:
             raise ShuttingDownError("the server is stopping; try again when it is back")
 
     async def _get(self, fit_id: str) -> Fit:
-        fit = await _call_store(self._store.get, fit_id)
+        # no database is asked for what no fit can be called: PostgreSQL does not take a text with a zero byte
+        fit = await _call_store(self._store.get, fit_id) if FIT_ID.fullmatch(fit_id) else None
         if fit is None or fit.whole is not None:  # parts are internal
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit
