@@ -15,7 +15,7 @@ from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.extraction import extract, extract_pruned
 from ipcore.zero_set.grid import DEFAULT_RESOLUTION, grid_lines
 from ipcore.zero_set.mesh import Mesh, cell_middles
-from ipcore.zero_set.thickness import PLACES, TOLERATED_THIN, thin_share
+from ipcore.zero_set.thickness import PLACES, THIN_CELLS, TOLERATED_THIN, thin_share
 
 DENSE_NODES = 1 << 21  # up to so many nodes, to evaluate all of them takes no longer than to find those that matter
 FINEST_RESOLUTION = {2: 8192, 3: 1536}  # that is chosen: an ellipse of 500 : 1 is resolved, an ellipsoid of 200 : 1 : 1
@@ -56,6 +56,35 @@ class Extracted:
     def box(self) -> FloatArray:
         """Return the corners of the box (2, d), raw."""
         return np.array([line[[0, -1]] for line in self.lines]).T
+
+    def warning(self, *, asked: bool) -> str | None:
+        """Return a sentence, in ASCII, that says that the grid is too coarse; None if it is fine enough.
+
+        `asked` says whether the resolution was asked for.
+        """
+        if self.thin is None or self.thin <= TOLERATED_THIN:
+            return None
+        remedy = "Ask for a higher resolution or smaller bounds"
+        remedy += ", or for no resolution: then it is chosen by the thickness." if asked else "."
+        if self.mesh.cap.all():
+            return f"The grid of resolution {self.resolution} finds no zero set, but a finer one does. {remedy}"
+        return (
+            f"{self.thin:.0%} of the zero set is thinner than {THIN_CELLS:.0f} cells of the grid of resolution "
+            f"{self.resolution}: parts of it may be missing, in pieces or too small. {remedy}"
+        )
+
+
+def extracted(
+    polynomial: ImplicitPolynomial,
+    bounds: FloatArray | None,
+    resolution: int | None,
+    data: FloatArray | None,
+    threads: int | None,
+) -> Extracted:
+    """Return the cells of f = 0 `at_resolution`, or if none is asked for, `refined`; see there."""
+    if resolution is None:
+        return refined(polynomial, bounds, data=data, threads=threads)
+    return at_resolution(polynomial, bounds, resolution, data, threads)
 
 
 def refined(

@@ -10,9 +10,8 @@ from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.components import count_components
 from ipcore.zero_set.mesh import SEGMENT, Mesh, cell_vectors, chains, labels
 from ipcore.zero_set.newton import polish, unit_normals
-from ipcore.zero_set.refinement import FINEST_RESOLUTION, at_resolution, refined
+from ipcore.zero_set.refinement import extracted
 from ipcore.zero_set.stray import stray_cells, stray_share
-from ipcore.zero_set.thickness import THIN_CELLS, TOLERATED_THIN
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +28,8 @@ class ZeroSet:
     normals
         (V, d), ∇f/‖∇f‖ at the vertices; within a cap the outward normal of the wall; zero where ∇f vanishes.
     components
-        The number of connected components of the whole zero set in the box, before any restriction and without caps. A
-        component that is thinner than the grid's cells in places counts once, though its cells may be in pieces.
+        The number of connected components of the whole zero set in the box, before any restriction and without caps;
+        one that is thinner than the grid's cells in places counts once, though its cells may be in pieces.
     stray
         The share of the whole zero set's length or area that lies away from the data (see the rule in `stray`); None
         if no data were given or there is no zero set.
@@ -39,6 +38,8 @@ class ZeroSet:
     thin
         The share of the zero set (near the data, if it is restricted to them) where the inside or the outside is
         thinner than four cells of the grid; 1 if only a finer grid finds any; None if there is no zero set.
+    warning
+        A sentence that says that the grid is too coarse; None if it is fine enough.
 
     """
 
@@ -49,27 +50,12 @@ class ZeroSet:
     stray: float | None
     resolution: int
     thin: float | None
+    warning: str | None
 
     @property
     def dimension(self) -> int:
         """Return d, 2 or 3."""
         return int(self.vertices.shape[1])
-
-    @property
-    def warning(self) -> str | None:
-        """Return a sentence that says that the grid is too coarse, and what helps; None if it is fine enough."""
-        if self.thin is None or self.thin <= TOLERATED_THIN:
-            return None
-        remedy = (
-            "Ask for a higher resolution or for smaller bounds; without a resolution, one of up to "
-            f"{FINEST_RESOLUTION[self.dimension]} is chosen."
-        )
-        if not self.components:
-            return f"The grid of resolution {self.resolution} finds no zero set, but a finer one does. {remedy}"
-        return (
-            f"{self.thin:.0%} of the zero set is thinner than {THIN_CELLS:.0f} cells of the grid of resolution "
-            f"{self.resolution}: parts of it may be missing, in pieces or too small. {remedy}"
-        )
 
     def polylines(self) -> list[FloatArray]:
         """Return the chains of segments, each (n, 2), raw, inside on the left; a closed one repeats its first vertex.
@@ -96,7 +82,7 @@ class ZeroSet:
 
         Cells are connected if they share a vertex. A vertex of no cell is a component of its own.
 
-        >>> two = ZeroSet(np.zeros((5, 2)), np.array([[0, 1], [1, 2], [3, 4]]), np.zeros((5, 2)), 2, None, 9, 0.0)
+        >>> two = ZeroSet(np.zeros((5, 2)), np.array([[0, 1], [1, 2], [3, 4]]), np.zeros((5, 2)), 2, None, 9, 0.0, None)
         >>> two.vertex_components().tolist()
         [0, 0, 0, 1, 1]
         """
@@ -166,11 +152,7 @@ def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kep
 
     """
     given = None if data is None else _checked(data, polynomial.dimension)
-    near = given if restrict else None
-    if resolution is None:
-        found = refined(polynomial, bounds, data=near, threads=threads)
-    else:
-        found = at_resolution(polynomial, bounds, resolution, near, threads)
+    found = extracted(polynomial, bounds, resolution, given if restrict else None, threads)
     mesh = polish(found.mesh, polynomial, found.box, found.spacing, threads)
     surface = ~mesh.cap
     stray, dropped = (None, None) if given is None else _stray(mesh, surface, given, threads)
@@ -184,6 +166,7 @@ def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kep
         stray,
         found.resolution,
         found.thin,
+        found.warning(asked=resolution is not None),
     )
 
 
