@@ -1,7 +1,7 @@
 """Fit implicit polynomials f(x) = 0 to 2D and 3D point sets, and find the degree that the points need."""
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
-from ipcore.constraints.families import Constraints
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import (
     InvalidNormalsError,
     InvalidOptionsError,

@@ -8,10 +8,10 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ipcore._threads import limited, using
-from ipcore.constraints.families import Constraints
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.geometric.fit import GeometricFit
-from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.dense import DenseFit
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import DataRows
 from ipcore.linear.taubin import TaubinFit
@@ -24,12 +24,12 @@ from ipcore.points.oriented import OrientedPoints
 from ipcore.points.stream import PointStream, spooled, streamed
 from ipcore.points.validation import PointSet
 from ipcore.polynomial import graded
+from ipcore.search.criteria import stopping_criterion
 from ipcore.search.degree_search import DegreeSearch, Progress, column_counts
 from ipcore.search.fitter import Fitter
 from ipcore.search.report import fit_result
 from ipcore.search.result import FitResult
 from ipcore.search.stop_reason import StopReason
-from ipcore.search.stopping import stopping_criterion
 from ipcore.search.stopping_rule import StoppingRule
 
 
@@ -170,7 +170,7 @@ def _search(
     fitter = choose_fitter(data, options, graded.degree_of(d, alphas[-1]), criterion.rule)
     # Only a fit that holds all of M gains from BLAS's threads. Other fits run threads of their own, with one BLAS
     # thread in each: more would wait for each other.
-    with nullcontext() if isinstance(fitter, LeastSquaresFit) else limited(1):
+    with nullcontext() if isinstance(fitter, DenseFit) else limited(1):
         search = DegreeSearch(data, options, fitter, criterion)
         best, reason = search.run(alphas, progress)
         return fit_result(search, best, known_reason or reason, checked.sha256)
@@ -188,5 +188,5 @@ def choose_linear_fitter(data: OrientedPoints, options: FitOptions, max_degree: 
     if not options.family.is_least_squares:
         return TaubinFit(data, options, max_degree)
     if options.holds_design_matrix:
-        return LeastSquaresFit(data, options, max_degree)
+        return DenseFit(data, options, max_degree)
     return QLessFit(data, options, max_degree, DataRows(data, options))

@@ -16,7 +16,7 @@ from skimage import data, measure
 
 from ipcore import shapes
 from service.api.problems import TABLE
-from service.formats.points.files import ENDINGS
+from service.formats.points.by_ending import ENDINGS
 from tests.pages import BLOCK, DOCS, README, ROOT, RUN_BY, blocks, code, rows, run_examples, skip_without_programs
 
 PAGES = sorted(DOCS.glob("*.md"))

@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import Any, Self
 
-from ipcore.constraints.families import Constraints
 from ipcore.constraints.family import Family, RowParameters
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.options import choices, contradictions
 from ipcore.options.choices import (

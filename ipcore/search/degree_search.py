@@ -13,10 +13,10 @@ from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial import graded
 from ipcore.search.closeness import Closeness, closenesses
 from ipcore.search.coverage import coverage
+from ipcore.search.criteria import StoppingCriterion, gcv
 from ipcore.search.fitter import Fitter, PrefixFit
 from ipcore.search.result import Step
 from ipcore.search.stop_reason import StopReason
-from ipcore.search.stopping import StoppingCriterion, gcv
 
 Progress = Callable[[Step], None]
 

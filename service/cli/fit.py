@@ -13,10 +13,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 import ipcore
 from service.cli.options import with_fit_options
 from service.formats.picture import page
-from service.formats.points import decode, files
+from service.formats.points import by_ending, decode
 from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing, zero_set_formats
 
 MAX_POINTS = 10_000_000
@@ -30,7 +30,7 @@ def _endings(dimension: int) -> str:
 @with_fit_options
 def fit(  # noqa: PLR0913, PLR0917 - one option each
     file: Annotated[
-        Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
+        Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(by_ending.ENDINGS)}.")
     ],
     mesh: Annotated[
         Path | None, typer.Option(help=f"Write the zero set here: {_endings(3)} in 3D, {_endings(2)} in 2D.")
@@ -52,7 +52,7 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
-        given = files.read_file(file, MAX_POINTS, columns=columns, missing=missing)
+        given = by_ending.read_file(file, MAX_POINTS, columns=columns, missing=missing)
         targets = {"mesh": mesh, "plot": plot, "output": output}
         _run(file, given, options, targets, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
@@ -61,7 +61,11 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
 
 
 def _run(
-    file: Path, given: PointSet, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None
+    file: Path,
+    given: ReceivedPoints,
+    options: ipcore.FitOptions,
+    targets: dict[str, Path | None],
+    resolution: int | None,
 ) -> None:
     writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is reported before the work
     points, normals = decode.split(given.content, given.dimension)
@@ -111,7 +115,7 @@ def _bar(last: int) -> Iterator[Callable[[ipcore.Step], None]]:
         yield show
 
 
-def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
+def _summarise(file: Path, given: ReceivedPoints, result: ipcore.FitResult) -> None:
     found = result.diagnostics
     typer.echo(f"{file.name}: {given.points} points in {given.dimension}D, normals {found.normal_source}")
     typer.echo(

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import ipcore
-from service.jobs.fit import Failure, Fit, FitStatus, PointSet
+from service.jobs.fit import Failure, Fit, FitStatus, ReceivedPoints
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
@@ -157,7 +157,7 @@ class Reader(Protocol):
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
-    ) -> PointSet:
+    ) -> ReceivedPoints:
         """Read a body, or the file that holds it, in the format `kind`, and check it.
 
         `columns` says what each column of a table holds; `missing`, whether a point with a missing value is refused or
@@ -174,7 +174,7 @@ class Reader(Protocol):
 class Planner(Protocol):
     """Predicts the time and memory of fits."""
 
-    def plan(self, points: PointSet, options: ipcore.FitOptions) -> ipcore.Plan:
+    def plan(self, points: ReceivedPoints, options: ipcore.FitOptions) -> ipcore.Plan:
         """Return what a fit of these points with these options will take.
 
         Raises

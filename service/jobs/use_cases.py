@@ -16,7 +16,7 @@ from service.jobs.errors import (
     NotReadyError,
     ShuttingDownError,
 )
-from service.jobs.fit import Fit, PointSet
+from service.jobs.fit import Fit, ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.new_fit import new_fit
@@ -49,11 +49,11 @@ class FitService:
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
-    ) -> PointSet:
+    ) -> ReceivedPoints:
         """Read and check the body of a request, in the format `kind`; nothing is accepted yet."""
         return await self._reader.read(body, kind, columns=columns, missing=missing)
 
-    def plan(self, points: PointSet, requested: RequestedOptions) -> ipcore.Plan:
+    def plan(self, points: ReceivedPoints, requested: RequestedOptions) -> ipcore.Plan:
         """Return what a fit will take; nothing is accepted yet.
 
         Raises
@@ -66,7 +66,7 @@ class FitService:
 
     async def accept(
         self,
-        points: PointSet,
+        points: ReceivedPoints,
         requested: RequestedOptions,
         plan: ipcore.Plan,
         client: str = "",

@@ -9,7 +9,7 @@ from ipcore import shapes
 from ipcore._typing import FloatArray
 from ipcore.polynomial import graded
 from ipcore.polynomial.frame import Frame
-from ipcore.search.stopping import stopping_criterion
+from ipcore.search.criteria import stopping_criterion
 from ipcore.shapes import Shape
 
 EPS = np.finfo(float).eps

@@ -61,7 +61,7 @@ def test_impossible_shapes_of_packed_arrays_are_refused(client: httpx.Client, sh
 
 @pytest.mark.parametrize(
     "shape", ["(0, 9223372036854775808)", "(0, 4611686018427387904)", "(True, 2)", "(-4, 2)", "(4, -2)", "(4,)", "()",
-              "(4, 2, 1)", "(0, 2)", "(2**62, 2)", "(4.0, 2)", "('4', 2)", "(9999999999999999999999, 2)", "4, 2", "None"]
+              "(4, 2, 1)", "(0, 2)", "(2**62, 2)", "(4.0, 2)", "('4', 2)", "(10000000000000000000, 2)", "4, 2", "None"]
 )  # fmt: skip
 def test_impossible_shapes_of_npy_files_are_refused(client: httpx.Client, shape: str) -> None:
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".encode()

@@ -7,7 +7,7 @@ import numpy as np
 
 import ipcore
 from service.formats.zero_set import single_precision
-from service.formats.zero_set.rows import blocks, joined, uint32
+from service.formats.zero_set.chunks import blocks, joined, uint32
 
 NAME = "zero set"
 GLB_NOTES = {

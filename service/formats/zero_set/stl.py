@@ -4,7 +4,7 @@ import numpy as np
 
 import ipcore
 from service.formats.zero_set import single_precision
-from service.formats.zero_set.rows import Table, blocks, joined, uint32
+from service.formats.zero_set.chunks import Table, blocks, joined, uint32
 
 
 def write(surface: ipcore.ZeroSet) -> bytes:

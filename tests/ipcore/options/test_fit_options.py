@@ -2,7 +2,7 @@ from typing import Any
 
 import pytest
 
-from ipcore.constraints.families import Constraints
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.options.choices import Collinear, Criterion
 from ipcore.options.fit_options import FitOptions

@@ -14,9 +14,9 @@ from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
 from ipcore.search import degree_search
+from ipcore.search.criteria import DEGREES_PAST_MINIMUM, LastDegree, stopping_criterion
 from ipcore.search.degree_search import DegreeSearch, column_counts
 from ipcore.search.fitter import PrefixFit
-from ipcore.search.stopping import DEGREES_PAST_MINIMUM, LastDegree, stopping_criterion
 
 QUICK = FitOptions(measure_zero_set=False)
 

@@ -12,9 +12,9 @@ from ipcore.fitting import choose_linear_fitter
 from ipcore.options.choices import Preset
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check
+from ipcore.search.criteria import stopping_criterion
 from ipcore.search.degree_search import DegreeSearch
 from ipcore.search.diagnostics import diagnose
-from ipcore.search.stopping import stopping_criterion
 
 OPTIONS = FitOptions.of(geometric=False, criterion="none")
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from ipcore import Criterion, FitOptions, Step, StopReason
 from ipcore.linear.qr.block_gram_schmidt import BlockGramSchmidt
 from ipcore.linear.qr.factorisation import Policy
+from ipcore.search.criteria import DEGREES_PAST_MINIMUM, bic, gcv, stopping_criterion
 from ipcore.search.leverage import Leverage
-from ipcore.search.stopping import DEGREES_PAST_MINIMUM, bic, gcv, stopping_criterion
 from ipcore.search.stopping_rule import StoppingRule
 
 RULE = StoppingRule(0.01, 0.95)

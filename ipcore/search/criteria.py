@@ -69,7 +69,7 @@ class StoppingCriterion(ABC):
         """Return why to stop after this step, or None to go on; `best` has the least score so far."""
 
 
-class Distance(StoppingCriterion):
+class PaperRule(StoppingCriterion):
     """The paper's rule (7): the first fit that is close and smooth enough, else the one nearest to it.
 
     Under sign constraints the zero set must be quiet, too; every quiet fit is better than all others. And the data must
@@ -87,7 +87,7 @@ class Distance(StoppingCriterion):
         return StopReason.CRITERION_MET if met else None
 
 
-class Minimum(StoppingCriterion):
+class EstimatedErrorMinimum(StoppingCriterion):
     """The minimum over the degrees of an estimated error."""
 
     def verdict(self, step: Step, best: Step) -> StopReason | None:
@@ -95,7 +95,7 @@ class Minimum(StoppingCriterion):
         return StopReason.CRITERION_MINIMUM if step.degree >= best.degree + DEGREES_PAST_MINIMUM else None
 
 
-class GeneralisedCrossValidation(Minimum):
+class GeneralisedCrossValidation(EstimatedErrorMinimum):
     """The minimum of GCV, which every step has."""
 
     def score(self, step: Step) -> float:
@@ -103,7 +103,7 @@ class GeneralisedCrossValidation(Minimum):
         return step.gcv
 
 
-class BayesianInformation(Minimum):
+class BayesianInformation(EstimatedErrorMinimum):
     """The minimum of BIC."""
 
     def record(self, step: Step, fit: PrefixFit) -> Step:
@@ -115,7 +115,7 @@ class BayesianInformation(Minimum):
         return _known(step.bic)
 
 
-class LeaveOneOut(Minimum):
+class LeaveOneOut(EstimatedErrorMinimum):
     """The minimum of LOO, which a fit that holds Q computes."""
 
     def record(self, step: Step, fit: PrefixFit) -> Step:
@@ -177,7 +177,7 @@ def _known(value: float | None) -> float:
 
 
 _CRITERIA: dict[Criterion, type[StoppingCriterion]] = {
-    Criterion.DISTANCE: Distance,
+    Criterion.DISTANCE: PaperRule,
     Criterion.GCV: GeneralisedCrossValidation,
     Criterion.BIC: BayesianInformation,
     Criterion.LOO: LeaveOneOut,
