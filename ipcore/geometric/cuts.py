@@ -30,6 +30,7 @@ SUSPECT_GROWTH = 2  # nodes around a suspect node that are examined with it
 CUT_SLOPE = 0.25  # margin per distance, half of that of the grid's nodes: late constraints must be possible to meet
 LARGEST_CUT_MARGIN = 0.02
 UNKNOWN_SIDE_MARGIN = 0.002  # where no side is known
+VISIBLE_CELLS = 2.0  # a part of the shape that is thicker is visible on a grid, in one piece
 PATH_SLACK, PATH_TRIALS = 2.0, 20  # cells by which a path may exceed the shortest, and the number of paths tried
 
 # Returns the distance of every node to the main region, in cells, and its nearest node there: see `_to_nearest`.
@@ -112,8 +113,11 @@ def _is_blocked(t: FloatArray, sign: float, found: Violations, grid: ViolationGr
     """Return whether f has the other sign than `sign` somewhere on a path t (M, d) where the shape has room for it.
 
     Where the path leaves a thin part that bends, the middle of the part counts in its place. Where the shape touches
-    itself, as two discs do, there is no room: the places on both sides are regions of their own.
+    itself, as two discs do, there is no room: the places on both sides are regions of their own. Where the shape itself
+    is not thin, the grid must show that the path is open, for a fit with a neck thinner than that misses the shape.
     """
+    if sides.thickness(grid.local(t)).min() > VISIBLE_CELLS * grid.cell:
+        return True
     other = t[sign * found.at(t) < 0.0]
     if not len(other):
         return False

@@ -37,6 +37,7 @@ FEWEST_NODES, NODES_STEP = 33, 16  # along each axis: the least number, and its 
 # The number of points from which a degree is fitted first: per coefficient, and at least.
 POINTS_PER_COLUMN, FEWEST_POINTS = 6, 2000
 ALL_POINTS_EXCESS = 1.5  # below it, a fit is refined with all points
+STEEP = 2.0  # a greater slope at the data has only a fit that was scaled to reach margins, see `algebraic_start`
 OUTLIER_FACTOR = 5.0  # times t1, or times the median distance if that is more: points farther from a fit do not count
 
 
@@ -125,8 +126,10 @@ class GeometricFit:
         self._weights = np.where(distance <= limit, 1.0, 0.0)
 
     def _fitted(self, objective: Objective, fit: Refined, iterations: int, quiet: bool | None) -> PrefixFit:  # noqa: FBT001 - see PrefixFit
-        """Return the fit as the search wants it."""
-        polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
+        """Return the fit as the search wants it, with f about as large as the distance."""
+        slope = float(np.sqrt(np.mean(np.square(fit.evaluation.size))))
+        a = fit.coefficients / (slope if slope > STEEP else 1.0)
+        polynomial = self._data.polynomial(objective.degree, a, Basis.CHEBYSHEV)
         H = objective.normal_equations(objective.evaluate(fit.coefficients))[0]
         conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)

@@ -33,7 +33,9 @@ UNSURE_WINDING = 0.12  # the side is unsure where w is nearer than this to the l
 # first keeps thin parts whole (the outlines of bench/QUALITY.md).
 BLIND_RADII = 0.02
 BLIND_SPACINGS = {2: 0.7, 3: 1.0}
-TOUCHING_NEIGHBOURS, TOUCHING_SPACINGS = 8, 0.2  # of a point where the shape may touch itself
+# Neighbours of a point among which one that faces the other way is looked for, and the distance of the tangent from it,
+# in spacings, up to which the shape touches itself there.
+TOUCHING_NEIGHBOURS, TOUCHING_SPACINGS = {2: 8, 3: 24}, 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,11 +116,20 @@ class InsideOutside:
 
         It does where the tangent passes through a point that faces the other way, to `TOUCHING_SPACINGS`.
         """
+        index = nearest(self.tree, places)[1]
+        spacing = self._areas[index] ** (1.0 / (places.shape[1] - 1))
+        return np.asarray(self.thickness(places) < TOUCHING_SPACINGS * spacing)
+
+    def thickness(self, places: FloatArray) -> FloatArray:
+        """Return how thick the shape, or the gap in it, is at the points nearest to places (M, d), (M,).
+
+        It is the distance of the tangent from the nearest neighbour that faces the other way; infinite where none of
+        the `TOUCHING_NEIGHBOURS` does.
+        """
         index, around, opposed = self._opposed(places)
         p, n = self._points, self._normals
         height = np.abs(np.einsum("mkd,md->mk", p[around] - p[index, None], n[index]))
-        spacing = self._areas[index] ** (1.0 / (p.shape[1] - 1))
-        return np.asarray((opposed & (height < TOUCHING_SPACINGS * spacing[:, None])).any(axis=1))
+        return np.asarray(np.where(opposed, height, np.inf).min(axis=1))
 
     def middle_of_thin_part(self, places: FloatArray) -> FloatArray:
         """Return for each of the places (M, d) the middle of the thin part there, (M, d), or the place itself.
@@ -133,7 +144,8 @@ class InsideOutside:
     def _opposed(self, places: FloatArray) -> tuple[IntArray, IntArray, BoolArray]:
         """Return the nearest points (M,) of places (M, d), their neighbours (M, k), and which face the other way."""
         index = nearest(self.tree, places)[1]
-        around = nearest(self.tree, self._points[index], min(TOUCHING_NEIGHBOURS, len(self._points) - 1) + 1)[1]
+        k = min(TOUCHING_NEIGHBOURS[places.shape[1]], len(self._points) - 1)
+        around = nearest(self.tree, self._points[index], k + 1)[1]
         cosine = np.einsum("mkd,md->mk", self._normals[around], self._normals[index])
         return index, around, np.asarray(cosine < winding.OPPOSED_COSINE)
 

@@ -71,6 +71,11 @@ class ViolationGrid:
         # `zero_set.support` estimates it by the distance to the nearest other point.
         self._support_radius = support_radius_of(d, 1.0, sides.spacing)
 
+    @property
+    def cell(self) -> float:
+        """Return the longest side of a cell, in mean radii."""
+        return float((self.lines[1] - self.lines[0]) * self._box.half.max())
+
     def places(self, mask: BoolArray) -> FloatArray:
         """Return the nodes of a mask (N, …) in the Chebyshev variables, (M, d)."""
         return self._at(np.flatnonzero(mask))

@@ -58,11 +58,14 @@ def fit_warnings(
     """
     search = [] if reason.is_expected else [FitWarning(WarningCode(reason.value), reason.advice)]
     found = found or DataFindings()
-    shape = _of_the_zero_set(diagnostics, inward=found.inward)
-    return [*search, *_of_the_data(diagnostics, found), *shape, *_of_rounding(diagnostics, shift)]
+    out = [*search, *_of_the_points(diagnostics, found)]
+    if reason is not StopReason.PLANAR:  # a plane is open and has no inside: no other cause has to be named
+        out += _of_the_normals(diagnostics.normal_self_check, inward=found.inward)
+        out += _of_the_zero_set(diagnostics, inward=found.inward)
+    return [*out, *_of_rounding(diagnostics, shift)]
 
 
-def _of_the_data(diagnostics: Diagnostics, found: DataFindings) -> list[FitWarning]:
+def _of_the_points(diagnostics: Diagnostics, found: DataFindings) -> list[FitWarning]:
     out = []
     if found.incomplete:
         text = f"{_points(found.incomplete)} with a missing value left out."
@@ -82,7 +85,7 @@ def _of_the_data(diagnostics: Diagnostics, found: DataFindings) -> list[FitWarni
             "is small. If they are errors of measurement, remove them or set robust=true, which leaves them out."
         )
         out.append(FitWarning(WarningCode.FEW_POINTS_SET_UNIT, text))
-    return out + _of_the_normals(diagnostics.normal_self_check, inward=found.inward)
+    return out
 
 
 def _points(count: int) -> str:
