@@ -29,7 +29,7 @@ LOW = FitOptions(max_degree=6)
 def checked_fit(points: FloatArray, normals: FloatArray | None = None, options: FitOptions = LOW) -> FitResult | None:
     """Fit, and check what is said of the answer on the answer itself; None if the points are refused."""
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        warnings.simplefilter("error", RuntimeWarning)
         try:
             result = ipcore.fit(points, normals, options)
         except ipcore.IPCoreError:
@@ -60,7 +60,7 @@ def covered(f: ipcore.ImplicitPolynomial, points: FloatArray, step: float) -> np
     return np.asarray((np.min(values, axis=0) <= 0.0) & (np.max(values, axis=0) >= 0.0))
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(
     name=st.sampled_from(sorted(CURVES)),
     count=st.sampled_from([12, 40, 120, 200]),
@@ -79,7 +79,7 @@ def test_curves_as_people_have_them(name: str, count: int, ratio: float, angle: 
     checked_fit(changes.get(change, points))
 
 
-@settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(
     axes=st.tuples(*[st.sampled_from([1.0, 0.3, 0.02, 0.002])] * 3),
     count=st.sampled_from([10, 60, 600]),
@@ -93,7 +93,7 @@ def test_thin_bodies_as_people_have_them(
     checked_fit(points, normals if given_normals else None, FitOptions(max_degree=3))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(count=st.integers(3, 14), dimension=st.sampled_from([2, 3]), seed=st.integers(0, 50), grid=st.booleans())
 def test_few_points(count: int, dimension: int, seed: int, *, grid: bool) -> None:
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (count, dimension))
