@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ipcore import _threads
 from ipcore._typing import FloatArray
-from ipcore.constraints.families import LAYERED_NAMES
+from ipcore.constraints.registry import LAYERED_NAMES
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.linear.layer_moments import LayerMoments
 from ipcore.options.degrees import HIGHEST_DEGREE

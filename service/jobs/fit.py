@@ -75,7 +75,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class PointSet:
+class ReceivedPoints:
     """A point set that was read and checked, but is not stored yet.
 
     Attributes

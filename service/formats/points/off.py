@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 
 from service.formats.points import faces
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
+from service.formats.points.reading import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
 _HEADER = re.compile(r"(ST)?(C)?(N)?(?:OFF|off)\b\s*")  # nOFF, with a small n, has any number of dimensions
