@@ -1,8 +1,8 @@
-"""Where a fit violates the sign constraints between their places: found on a fine, evenly spaced grid.
+"""The search for places where f has the wrong sign, on a grid that is finer than that of the sign constraints.
 
-The zero set should stay near the data and be in one piece. It divides the box into regions of one sign. The regions
-that touch each other form a tree, for a box has no holes, so the zero set has one component less than there are
-regions.
+The zero set should stay near the data and be in one piece. It divides the box into regions in which f has one sign. A
+box has no holes, so the regions that touch each other form a tree, and the zero set has one component less than there
+are regions.
 """
 
 from dataclasses import dataclass

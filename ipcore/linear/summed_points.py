@@ -125,7 +125,10 @@ class SummedPoints:
         return self + type(self)(self.frame, layers, box, Sample.of(x, n))
 
     def without_sample(self) -> Self:
-        """Return the same without the sample, which is most of its bytes: enough for a fit with the points at hand."""
+        """Return the same sums without the sample of points, which takes most of the memory.
+
+        They can be added, and fitted together with the points that they are of.
+        """
         return replace(self, sample=Sample.empty(self.layers.dimension))
 
     def __add__(self, other: "SummedPoints") -> Self:

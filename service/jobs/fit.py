@@ -76,7 +76,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class ReceivedPoints:
-    """A point set that was read and checked, but is not stored yet.
+    """A point set that came with a request: it is read and checked, but not stored yet.
 
     Attributes
     ----------

@@ -155,7 +155,7 @@ class FitService:
         return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
 
     async def check(self) -> None:
-        """Return if fits can be looked up and new ones are accepted; else raise.
+        """Check that the server is ready: fits can be looked up, and new ones are accepted.
 
         Raises
         ------
