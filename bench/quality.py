@@ -4,7 +4,8 @@ With names only those sets are fitted, and their rows printed; the page is writt
 the shapes of bench/held_back.py are, which need no folder, and their section and the words below it are written anew.
 
 A fit is *good* when D_dist < 0.01, D_smooth > 0.95, stray < 0.001 and the zero set has one component, in the data's box
-grown by 0.3 mean radii, on a grid of 240 lines (2D) or 88 (3D) along the longest axis.
+grown by 0.3 mean radii, on a grid of 240 lines (2D) or 88 (3D) along the longest axis. *Stray* is what lies beyond the
+support radius of the points, also in the gaps of a sparse sample. The components are the pieces on that grid.
 """
 
 import os
@@ -19,6 +20,9 @@ from typing import Any
 
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before numpy is loaded: one thread, as in a worker
+
+import numpy as np
+from scipy.spatial import cKDTree
 
 import held_back
 import ipcore
@@ -91,7 +95,23 @@ def fitted(given: sets.PointSet, way: str) -> Scored:
     seconds = process_time() - started
     lines = {2: 240, 3: 88}[given.dimension]
     whole = ipcore.zero_set(result.polynomial, resolution=lines, data=given.points, restrict=False, cap=False)
-    return Scored(result, seconds, 1.0 if whole.stray is None else whole.stray, whole.components)
+    components = len(np.unique(whole.vertex_components()[whole.cells]))
+    return Scored(result, seconds, stray_by_distance(whole, given.points), components)
+
+
+def stray_by_distance(whole: ipcore.ZeroSet, points: ipcore.FloatArray) -> float:
+    """Return the share of a zero set's length or area that is far from all points (N, d); 1 if it is empty.
+
+    Far is more than 0.10 (2D) or 0.12 (3D) mean radii and 2.5 median spacings, even in a gap of a sparse sample, where
+    a report does not count it: so scores can be compared with those of other versions and of other libraries.
+    """
+    if not len(whole.cells):
+        return 1.0
+    size = np.linalg.norm(whole.cell_normals(), axis=1)
+    distance, _ = cKDTree(points).query(whole.vertices[whole.cells].mean(axis=1))
+    spacing = float(np.median(np.asarray(cKDTree(points).query(points, 2)[0])[:, 1]))
+    far = distance > max({2: 0.10, 3: 0.12}[points.shape[1]] * ipcore.Frame.of(points).scale, 2.5 * spacing)
+    return float(size[far].sum() / size.sum())
 
 
 Scores = dict[str, dict[str, Scored]]  # by name of the set, then of the fit

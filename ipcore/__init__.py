@@ -1,7 +1,7 @@
 """Fit implicit polynomials f(x) = 0 to 2D and 3D point sets, and find the degree that the points need."""
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
-from ipcore.constraints.families import Constraints
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import (
     InvalidNormalsError,
     InvalidOptionsError,
@@ -21,6 +21,7 @@ from ipcore.points.validation import check as check_points
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
+from ipcore.search.fit_warning import FitWarning, WarningCode
 from ipcore.search.result import Diagnostics, FitResult, Step
 from ipcore.search.stop_reason import StopReason
 from ipcore.zero_set.mesh import cell_vectors
@@ -40,6 +41,7 @@ __all__ = [
     "Factor",
     "FitOptions",
     "FitResult",
+    "FitWarning",
     "FloatArray",
     "Frame",
     "Granularity",
@@ -59,6 +61,7 @@ __all__ = [
     "RidgeMatrix",
     "Step",
     "StopReason",
+    "WarningCode",
     "ZeroSet",
     "cell_vectors",
     "check_points",

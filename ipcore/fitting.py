@@ -8,10 +8,10 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ipcore._threads import limited, using
-from ipcore.constraints.families import Constraints
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.geometric.fit import GeometricFit
-from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.dense import DenseFit
 from ipcore.linear.q_less import QLessFit
 from ipcore.linear.row_source import DataRows
 from ipcore.linear.taubin import TaubinFit
@@ -24,12 +24,12 @@ from ipcore.points.oriented import OrientedPoints
 from ipcore.points.stream import PointStream, spooled, streamed
 from ipcore.points.validation import PointSet
 from ipcore.polynomial import graded
+from ipcore.search.criteria import stopping_criterion
 from ipcore.search.degree_search import DegreeSearch, Progress, column_counts
 from ipcore.search.fitter import Fitter
 from ipcore.search.report import fit_result
 from ipcore.search.result import FitResult
 from ipcore.search.stop_reason import StopReason
-from ipcore.search.stopping import stopping_criterion
 from ipcore.search.stopping_rule import StoppingRule
 
 
@@ -80,12 +80,8 @@ def fit(
     options = options or FitOptions()
     with using(threads):
         checked = _checked(points, normals)
-        dimension = checked.points.shape[1]
-        max_degree = options.degree_cap(dimension)
-        if checked.planar:
-            degree_one = column_counts(dimension, 1, Granularity.FORM)
-            return _search(checked, options, degree_one, progress, StopReason.PLANAR)
-        return _search(checked, options, column_counts(dimension, max_degree, options.granularity), progress)
+        options.degree_cap(checked.points.shape[1])  # a max_degree that is too high is refused before the work
+        return _search(checked, _prepared(checked, options), options, progress)
 
 
 def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
@@ -128,18 +124,18 @@ def fit_fixed(  # noqa: PLR0913 - those of `fit`, and two of its own
     """
     with using(threads):
         checked = _checked(points, normals)
-        count, dimension = checked.points.shape
+        dimension = checked.points.shape[1]
         check_integer("degree", degree, 1, HIGHEST_DEGREE[dimension])
-        columns = graded.count(dimension, degree)
-        if columns > count:
-            raise InvalidOptionsError(
-                f"degree {degree} has {columns} coefficients, more than {count} points determine", ("degree",)
-            )
         options = replace(options or FitOptions(), max_degree=degree, criterion=Criterion.NONE)
+        data, columns = _prepared(checked, options), graded.count(dimension, degree)
+        if columns - 1 > data.count:
+            raise InvalidOptionsError(
+                f"degree {degree} has {columns} coefficients, more than {data.count} points determine", ("degree",)
+            )
         if method is not None:
             family = member("method", method, Constraints)
             options = replace(options, constraints=family, signs=False, geometric=False)
-        return _search(checked, options, [columns], progress)
+        return _search(checked, data, options, progress, [columns])
 
 
 def _checked(points: ArrayLike | PointSet | Iterator[Any], normals: ArrayLike | None) -> PointSet | PointStream:
@@ -149,20 +145,32 @@ def _checked(points: ArrayLike | PointSet | Iterator[Any], normals: ArrayLike | 
     return streamed(points, normals) or validation.check(points, normals)
 
 
+def _prepared(checked: PointSet | PointStream, options: FitOptions) -> OrientedPoints:
+    """Return the points as they are fitted: with normals, of copies only one, in a robust fit without outliers."""
+    return OrientedPoints.prepared(checked, options.neighbours, robust=options.robust)
+
+
 def _search(
     checked: PointSet | PointStream,
+    data: OrientedPoints,
     options: FitOptions,
-    alphas: Sequence[int],
     progress: Progress | None,
-    known_reason: StopReason | None = None,
+    alphas: Sequence[int] | None = None,
 ) -> FitResult:
-    """Search over these numbers of columns α; `known_reason`, if given, is the stop reason of the result."""
-    data = OrientedPoints.of(checked, options.neighbours)
+    """Search over these numbers of columns α, by default over all degrees that the options allow.
+
+    `data` are the points of `checked` as they are fitted. A plane needs, and determines, degree 1 only.
+    """
+    d, known_reason = data.points.shape[1], None
+    if alphas is None:
+        alphas = column_counts(d, options.degree_cap(d), options.granularity)
+        if data.planar:
+            alphas, known_reason = column_counts(d, 1, Granularity.FORM), StopReason.PLANAR
     criterion = stopping_criterion(options)
-    fitter = choose_fitter(data, options, graded.degree_of(data.points.shape[1], alphas[-1]), criterion.rule)
+    fitter = choose_fitter(data, options, graded.degree_of(d, alphas[-1]), criterion.rule)
     # Only a fit that holds all of M gains from BLAS's threads. Other fits run threads of their own, with one BLAS
     # thread in each: more would wait for each other.
-    with nullcontext() if isinstance(fitter, LeastSquaresFit) else limited(1):
+    with nullcontext() if isinstance(fitter, DenseFit) else limited(1):
         search = DegreeSearch(data, options, fitter, criterion)
         best, reason = search.run(alphas, progress)
         return fit_result(search, best, known_reason or reason, checked.sha256)
@@ -180,5 +188,5 @@ def choose_linear_fitter(data: OrientedPoints, options: FitOptions, max_degree: 
     if not options.family.is_least_squares:
         return TaubinFit(data, options, max_degree)
     if options.holds_design_matrix:
-        return LeastSquaresFit(data, options, max_degree)
+        return DenseFit(data, options, max_degree)
     return QLessFit(data, options, max_degree, DataRows(data, options))

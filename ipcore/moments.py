@@ -16,10 +16,10 @@ from ipcore.points.digest import sha256
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.stream import streamed
 from ipcore.points.validation import PointSet
+from ipcore.search.criteria import stopping_criterion
 from ipcore.search.degree_search import DegreeSearch, Progress, column_counts
 from ipcore.search.report import fit_result
 from ipcore.search.result import FitResult
-from ipcore.search.stopping import stopping_criterion
 
 # The options of `Moments.fit` unless others are given: those of `FitOptions()`, but a linear fit. `ipcore.fit`, whose
 # default is the geometric fit, gives another polynomial for the same points.

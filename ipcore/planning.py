@@ -24,6 +24,7 @@ from math import comb
 from ipcore.geometric.fit import FEWEST_NODES, FEWEST_POINTS, NODES_PER_DEGREE, NODES_STEP, POINTS_PER_COLUMN
 from ipcore.options.choices import Factor, Granularity
 from ipcore.options.fit_options import FitOptions
+from ipcore.polynomial import graded
 
 # Seconds that any fit takes: by dimension, and per point.
 LINEAR_BASE, GEOMETRIC_BASE = {2: 0.06, 3: 0.2}, {2: 0.24, 3: 1.0}
@@ -114,7 +115,7 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
     seconds = PREPARATION_PER_POINT * points
     if not normals:
         seconds += points * (NORMALS_PER_POINT[dimension] + NORMALS_PER_NEIGHBOUR * options.neighbours)
-    last = _last(dimension, points, degree)
+    last = graded.highest_determined(dimension, points, degree)
     seconds += (_linear if options.is_linear else _geometric)(dimension, points, last, options)
     return Plan(
         max_degree=degree,
@@ -125,11 +126,6 @@ def plan(dimension: int, points: int, options: FitOptions, *, normals: bool) -> 
         moment_degree=min(degree, MOMENT_DEGREE[dimension]),
         seconds=seconds,
     )
-
-
-def _last(d: int, points: int, degree: int) -> int:
-    """Return the last degree, at most `degree`, that has no more coefficients than there are points."""
-    return max((n for n in range(1, degree + 1) if comb(n + d, d) <= points), default=1)
 
 
 def _holds_system(options: FitOptions) -> bool:

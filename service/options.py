@@ -45,15 +45,16 @@ class FitOptions(BaseModel):
         0.05,
         gt=0,
         le=0.3,
-        description="c, the distance of the outer layers from the points, in mean radii. Lower it where parts are "
-        "thinner than 2c, raise it for noise larger than c/5. Costs nothing.",
+        description="c, the distance of the outer layers from the points, in mean radii, in linear fits with layers "
+        "(`geometric=false`). Lower it where parts are thinner than 2c, raise it for noise larger than c/5. Costs "
+        "nothing.",
     )
     gradient_weight: float = Field(
         0.005,
         gt=0,
         le=100,
-        description="μ, the weight of gradient rows against value rows, in the families that have them. Lower it for "
-        "noisy normals. Costs nothing.",
+        description="μ, the weight of gradient rows against value rows, in linear fits with `constraints` that have "
+        "them. Lower it for noisy normals. Costs nothing.",
     )
     criterion: Annotated[ipcore.Criterion, OneOf(ipcore.Criterion)] = Field(
         ipcore.Criterion.DISTANCE,
@@ -72,7 +73,8 @@ class FitOptions(BaseModel):
         0.95,
         ge=-1,
         le=1,
-        description="Smooth enough when D_smooth > t2, a mean cosine. Lower it for shapes with many sharp corners.",
+        description="Smooth enough when D_smooth > t2, a mean cosine. Lower it for shapes with many sharp corners. "
+        "Linear fits have it with criterion `distance` only.",
     )
     granularity: Annotated[ipcore.Granularity, OneOf(ipcore.Granularity)] = Field(
         ipcore.Granularity.FORM,
@@ -92,7 +94,10 @@ class FitOptions(BaseModel):
         "(the default of the selective ridge), or nothing.",
     )
     collinear_tol: float = Field(
-        1e-10, ge=0, le=1, description="A column is collinear when at most this share of its length is new."
+        1e-10,
+        ge=0,
+        le=1,
+        description="A column is collinear when at most this share of its length is new. For linear fits.",
     )
     ridge: Annotated[ipcore.Ridge, OneOf(ipcore.Ridge)] = Field(
         ipcore.Ridge.NONE,
@@ -101,13 +106,15 @@ class FitOptions(BaseModel):
     )
     ridge_matrix: Annotated[ipcore.RidgeMatrix, OneOf(ipcore.RidgeMatrix)] = Field(
         ipcore.RidgeMatrix.INVARIANT,
-        description="D of the ridge: that of the paper's appendix, which no rotation changes, or the identity.",
+        description="D of the ridge, if there is one: that of the paper's appendix, which no rotation changes, or the "
+        "identity.",
     )
     ridge_strength: float = Field(
         1e-4,
         gt=0,
         le=1e6,
-        description="κ of the ridge. Raise it until the zero set is calm enough; D_dist rises with it.",
+        description="κ of the ridge, if there is one. Raise it until the zero set is calm enough; D_dist rises with "
+        "it.",
     )
     signs: bool | None = Field(
         None,

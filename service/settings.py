@@ -87,8 +87,8 @@ class Settings(BaseSettings):
         description="Largest linear system that a fit may hold as a whole, in bytes: 8 · points · equations each · "
         "coefficients. Only other factors than moments and tsqr do.",
     )
-    max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis for a 2D zero set.")
-    max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis for a 3D zero set.")
+    max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis to be asked for in 2D.")
+    max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis to be asked for in 3D.")
     max_wait: float = Field(300.0, ge=0, description="Longest that a request may wait for a fit, in seconds.")
 
 

@@ -1,4 +1,4 @@
-"""The examples of CONTRIBUTING.md, applied one by one to a copy of the repository, whose tests they bring along."""
+"""The examples of docs/extending.md, applied one by one to a copy of the repository, whose tests they bring along."""
 
 import os
 import re
@@ -11,7 +11,7 @@ import pytest
 
 from tests.pages import ROOT, blocks
 
-PAGE = ROOT / "CONTRIBUTING.md"
+PAGE = ROOT / "docs" / "extending.md"
 COPIED = ("ipcore", "service", "tests", "pyproject.toml")
 SECTIONS = [part for part in PAGE.read_text(encoding="utf-8").split("\n## ") if part.startswith("Add ")]
 MOST_FILES = {"family": 2, "criterion": 2, "format": 2, "endpoint": 3}  # that an addition touches, its test apart
@@ -59,6 +59,20 @@ def run(folder: Path, module: str, *arguments: str) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_short_page_names_the_files_that_the_examples_touch() -> None:
+    short = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    assert len(short.splitlines()) <= 100
+    for section in SECTIONS:
+        for _, text in blocks_of(section, "diff"):
+            for name in re.findall(r"^--- (\S+)", text, re.MULTILINE):
+                assert f"({name})" in short, name
+
+
+def blocks_of(section: str, *languages: str) -> list[tuple[str, str]]:
+    found = re.findall(r"^```(\w+)\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
+    return [one for one in found if one[0] in languages]
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.partition("\n")[0])

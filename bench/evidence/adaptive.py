@@ -45,7 +45,7 @@ class Adaptive:
             str(fit.stop_reason),
             f"{found.d_dist:.4f}",
             f"{found.d_smooth:.3f}",
-            f"{found.stray:.2f}",
+            "" if found.stray is None else f"{found.stray:.2f}",
             str(found.components),
             "yes" if found.bounded else "no",
         ]

@@ -46,7 +46,7 @@ def _measures(fit: ipcore.FitResult) -> Iterator[str]:
     found, last = fit.diagnostics, fit.steps[-1]
     yield f"{found.d_dist:.4f}"
     yield f"{found.d_smooth:.3f}"
-    yield f"{found.stray:.2f}"
+    yield "" if found.stray is None else f"{found.stray:.2f}"
     yield str(found.components)
     yield str(last.ridged)
     yield f"{last.condition:.0e}"

@@ -6,9 +6,11 @@ Three kinds of violation get cuts.
 - Minor regions. A minor region is either wrong as a whole, or it is right but cut off from the main region of its sign,
   where a part of the shape (or of the space beside it) is thinner than the blind radius. A region that is right is
   joined: the shortest path to the main region gets its sign. If every such path leads through places that are surely on
-  the other side, the region is a part of its own, and no violation. A region within the blind radius, where no side is
-  known, gets the other sign.
-- Components smaller than a cell: the known side of their place, or the sign of the nodes around if no side is known.
+  the other side, the region is a part of its own, and no violation. Nor is it one if f keeps its sign along the path:
+  then the region is joined already, by a part thinner than a cell; or if the shape touches itself there. A region
+  within the blind radius, where no side is known, is right if it is on its side of the tangents at the nearest points;
+  else it gets the other sign.
+- Components smaller than a cell: the known side of their place, or that of the nearest tangent if no side is known.
 """
 
 from collections.abc import Callable
@@ -28,6 +30,7 @@ SUSPECT_GROWTH = 2  # nodes around a suspect node that are examined with it
 CUT_SLOPE = 0.25  # margin per distance, half of that of the grid's nodes: late constraints must be possible to meet
 LARGEST_CUT_MARGIN = 0.02
 UNKNOWN_SIDE_MARGIN = 0.002  # where no side is known
+VISIBLE_CELLS = 2.0  # a part of the shape that is thicker is visible on a grid, in one piece
 PATH_SLACK, PATH_TRIALS = 2.0, 20  # cells by which a path may exceed the shortest, and the number of paths tried
 
 # Returns the distance of every node to the main region, in cells, and its nearest node there: see `_to_nearest`.
@@ -85,19 +88,51 @@ def _region_cuts(found: Violations, side: FloatArray, grid: ViolationGrid, sides
         to_main = cache(partial(_to_nearest, same_sign & ~found.minor))  # few regions need it; then often several do
         for k in range(1, count + 1):
             region: BoolArray = labels == k
-            if nodes_with_side[k] == 0.0:
+            if nodes_with_side[k] == 0.0 and _is_undecided(region, grid, sides):
+                continue
+            if nodes_with_side[k] == 0.0 and not _agrees_with_tangents(region, sign, grid, sides):
                 out.append(_uniform_cuts(grid.places(region), -sign))
-            elif agreement[k] > 0.0:
+            elif nodes_with_side[k] == 0.0 or agreement[k] > 0.0:
                 t = _path_to_main(region, to_main, sign, grid, sides)
-                if t is not None:
+                if t is not None and _is_blocked(t, sign, found, grid, sides):
                     out.append(_uniform_cuts(t, sign))
     return out
 
 
+def _is_undecided(region: BoolArray, grid: ViolationGrid, sides: InsideOutside) -> bool:
+    """Return whether the shape touches itself near a region (N, …): the nearest tangent then tells nothing."""
+    return bool(sides.touching(grid.local(grid.places(region))).any())
+
+
+def _agrees_with_tangents(region: BoolArray, sign: float, grid: ViolationGrid, sides: InsideOutside) -> bool:
+    """Return whether most nodes of a region (N, …) are on the side `sign` of the tangents at the nearest points."""
+    return bool((sign * sides.side_of_tangent(grid.local(grid.places(region)))).sum() > 0.0)
+
+
+def _is_blocked(t: FloatArray, sign: float, found: Violations, grid: ViolationGrid, sides: InsideOutside) -> bool:
+    """Return whether f has the other sign than `sign` somewhere on a path t (M, d) where the shape has room for it.
+
+    Where the path leaves a thin part that bends, the middle of the part counts in its place. Where the shape touches
+    itself, as two discs do, there is no room: the places on both sides are regions of their own. Where the shape itself
+    is not thin, the grid must show that the path is open, for a fit with a neck thinner than that misses the shape.
+    """
+    if sides.thickness(grid.local(t)).min() > VISIBLE_CELLS * grid.cell:
+        return True
+    other = t[sign * found.at(t) < 0.0]
+    if not len(other):
+        return False
+    middle = sides.middle_of_thin_part(grid.local(other))
+    return bool((sign * found.at(grid.cube(middle)) < 0.0).any()) and not sides.touching(grid.local(other)).any()
+
+
 def _subgrid_cuts(found: Violations, grid: ViolationGrid, sides: InsideOutside) -> list[Cuts]:
     """Return the cuts that remove components smaller than a cell, as a list of one, or of none."""
-    known = sides.classify(grid.local(found.subgrid)).side
-    side = np.where(known == 0.0, -np.sign(found.subgrid_values), known)
+    if not len(found.subgrid):
+        return []
+    places = grid.local(found.subgrid)
+    known = sides.classify(places).side
+    tangent = np.where(sides.touching(places), 0.0, sides.side_of_tangent(places))
+    side = np.where(known == 0.0, tangent, known)
     wrong = side * found.subgrid_values < 0.0
     return [Cuts(found.subgrid[wrong], side[wrong], np.full(wrong.sum(), UNKNOWN_SIDE_MARGIN))] if wrong.any() else []
 

@@ -19,7 +19,7 @@ from ipcore.geometric.levenberg_marquardt import Effort, Refined
 from ipcore.geometric.sign_constraints import BOUNDS_GROWTH, SignNodes, SignPoints
 from ipcore.geometric.violations import ViolationGrid, Violations
 from ipcore.polynomial import evaluation
-from ipcore.zero_set.stray import STRAY_RESOLUTION
+from ipcore.zero_set.survey import STRAY_RESOLUTION
 
 # Lines per axis of the grids on which violations are looked for, and by what factor the bounds are grown. The first is
 # as fine as the grid on which the result's stray share is measured, so that the two agree; the second is finer.

@@ -15,15 +15,17 @@ import numpy as np
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.geometric import continuation
+from ipcore.geometric.algebraic_start import exact_or
 from ipcore.geometric.balance import balance
 from ipcore.geometric.descent import AFTER_A_CHANGE, Descent
 from ipcore.geometric.exchange import Exchange
-from ipcore.geometric.inside_outside import InsideOutside, crowded
+from ipcore.geometric.inside_outside import InsideOutside
 from ipcore.geometric.levenberg_marquardt import Refined, condition
 from ipcore.geometric.objective import DataTables, Objective
 from ipcore.geometric.sign_constraints import SignConstraints, SignNodes
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
+from ipcore.points.outliers import crowded
 from ipcore.polynomial import graded
 from ipcore.polynomial.univariate import Basis
 from ipcore.search.fitter import PrefixFit
@@ -35,6 +37,7 @@ FEWEST_NODES, NODES_STEP = 33, 16  # along each axis: the least number, and its 
 # The number of points from which a degree is fitted first: per coefficient, and at least.
 POINTS_PER_COLUMN, FEWEST_POINTS = 6, 2000
 ALL_POINTS_EXCESS = 1.5  # below it, a fit is refined with all points
+STEEP = 2.0  # a greater slope at the data has only a fit that was scaled to reach margins, see `algebraic_start`
 OUTLIER_FACTOR = 5.0  # times t1, or times the median distance if that is more: points farther from a fit do not count
 
 
@@ -46,7 +49,7 @@ class GeometricFit:
         self._data, self._options = data, options
         self._rule = rule
         count, d = data.points.shape
-        self._last = max((n for n in range(1, max_degree + 1) if graded.count(d, n) <= count), default=1)
+        self._last = graded.highest_determined(d, count, max_degree)
         self._weights = np.where(crowded(data.points), 1.0, 0.0) if options.robust else np.ones(count)
         trusted = self._weights > 0.0
         self._sides = InsideOutside(data.points[trusted], data.normals[trusted], data.bounds)
@@ -64,6 +67,8 @@ class GeometricFit:
             skipped += descent.iterations
         descent, self._degree = self._descent(degree), degree
         fit = self._with_all_points(descent, self._followed(descent))
+        if self._options.on_geometric:
+            fit = exact_or(descent, fit)
         self._coefficients = fit.coefficients  # the next degree starts here: without cuts, which it may not need
         fit, quiet = self._balanced(descent, fit), None
         if self._options.on_signs and (degree == self._last or descent.excess(fit) < 1.0):
@@ -121,8 +126,10 @@ class GeometricFit:
         self._weights = np.where(distance <= limit, 1.0, 0.0)
 
     def _fitted(self, objective: Objective, fit: Refined, iterations: int, quiet: bool | None) -> PrefixFit:  # noqa: FBT001 - see PrefixFit
-        """Return the fit as the search wants it."""
-        polynomial = self._data.polynomial(objective.degree, fit.coefficients, Basis.CHEBYSHEV)
+        """Return the fit as the search wants it, with f about as large as the distance."""
+        slope = float(np.sqrt(np.mean(np.square(fit.evaluation.size))))
+        a = fit.coefficients / (slope if slope > STEEP else 1.0)
+        polynomial = self._data.polynomial(objective.degree, a, Basis.CHEBYSHEV)
         H = objective.normal_equations(objective.evaluate(fit.coefficients))[0]
         conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)

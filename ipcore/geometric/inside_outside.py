@@ -21,6 +21,7 @@ SEARCH_RADIUS = 0.25  # mean radii: longer distances change nothing in the fit, 
 COARSE_LINES = {2: 64, 3: 32}  # of the grid, per axis; what it misses is near the data, where w is computed anyway
 COARSE_POINTS = 1500  # points that stand for all on the coarse grid: 0.2 s in 3D
 LEVEL_PROBES = 300  # points beside which the level between the two sides is measured
+LEAST_JUMP = 0.25  # of w from the inside to the outside, which is 1 at a surface: less is none
 WINDING_PAIRS = 2e7  # of places and points at most, where w is computed at the places: 0.1 s
 # Below CLEAR_COSINE the cosine between the nearest normal and the direction to it does not tell the side, and below
 # half of it the winding number's distance from the level does not. With these, no side was wrong farther than 0.025
@@ -32,7 +33,9 @@ UNSURE_WINDING = 0.12  # the side is unsure where w is nearer than this to the l
 # first keeps thin parts whole (the outlines of bench/QUALITY.md).
 BLIND_RADII = 0.02
 BLIND_SPACINGS = {2: 0.7, 3: 1.0}
-ISOLATED_SPACINGS = 3.0  # median spacings: a point farther from its neighbours counts as an outlier in a robust fit
+# Neighbours of a point among which one that faces the other way is looked for, and the distance of the tangent from it,
+# in spacings, up to which the shape touches itself there.
+TOUCHING_NEIGHBOURS, TOUCHING_SPACINGS = {2: 8, 3: 24}, 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +76,7 @@ class InsideOutside:
         """Take points and unit outward normals (N, d), and the bounds (2, d) that the coarse grid covers."""
         d = points.shape[1]
         self.tree = cKDTree(points)
-        self._points, self._normals, self._areas = points, normals, winding.areas(points)
+        self._points, self._normals, self._areas = points, normals, winding.oriented_areas(points, normals)
         spacing = self._areas ** (1.0 / (d - 1))
         self.spacing = float(np.median(spacing))
         self._blind_radius = np.maximum(BLIND_RADII, BLIND_SPACINGS[d] * spacing)
@@ -100,6 +103,52 @@ class InsideOutside:
         sure = (np.abs(outward) > UNSURE_WINDING) & (distance > blind_radius)
         return Classification(distance, blind_radius, np.where(sure, np.sign(outward), 0.0))
 
+    def side_of_tangent(self, places: FloatArray) -> FloatArray:
+        """Return on which side of the tangent at the nearest point places (M, d) are: 1 outside, −1 inside, (M,).
+
+        Within the blind radius, where nothing better is known, it tells a thin part of the shape from a hole in it.
+        """
+        index = nearest(self.tree, places)[1]
+        return np.asarray(np.sign(((places - self._points[index]) * self._normals[index]).sum(axis=1)))
+
+    def touching(self, places: FloatArray) -> BoolArray:
+        """Return whether the shape touches itself at the point nearest to each of the places (M, d), (M,).
+
+        It does where the tangent passes through a point that faces the other way, to `TOUCHING_SPACINGS`.
+        """
+        index = nearest(self.tree, places)[1]
+        spacing = self._areas[index] ** (1.0 / (places.shape[1] - 1))
+        return np.asarray(self.thickness(places) < TOUCHING_SPACINGS * spacing)
+
+    def thickness(self, places: FloatArray) -> FloatArray:
+        """Return how thick the shape, or the gap in it, is at the points nearest to places (M, d), (M,).
+
+        It is the distance of the tangent from the nearest neighbour that faces the other way; infinite where none of
+        the `TOUCHING_NEIGHBOURS` does.
+        """
+        index, around, opposed = self._opposed(places)
+        p, n = self._points, self._normals
+        height = np.abs(np.einsum("mkd,md->mk", p[around] - p[index, None], n[index]))
+        return np.asarray(np.where(opposed, height, np.inf).min(axis=1))
+
+    def middle_of_thin_part(self, places: FloatArray) -> FloatArray:
+        """Return for each of the places (M, d) the middle of the thin part there, (M, d), or the place itself.
+
+        It is half way between the nearest point and the nearest of its neighbours that faces the other way.
+        """
+        index, around, opposed = self._opposed(places)
+        other = around[np.arange(len(places)), opposed.argmax(axis=1)]
+        middle = (self._points[index] + self._points[other]) / 2.0
+        return np.where(opposed.any(axis=1, keepdims=True), middle, places)
+
+    def _opposed(self, places: FloatArray) -> tuple[IntArray, IntArray, BoolArray]:
+        """Return the nearest points (M,) of places (M, d), their neighbours (M, k), and which face the other way."""
+        index = nearest(self.tree, places)[1]
+        k = min(TOUCHING_NEIGHBOURS[places.shape[1]], len(self._points) - 1)
+        around = nearest(self.tree, self._points[index], k + 1)[1]
+        cosine = np.einsum("mkd,md->mk", self._normals[around], self._normals[index])
+        return index, around, np.asarray(cosine < winding.OPPOSED_COSINE)
+
     def _doubtful(self, places: FloatArray, index: IntArray, distance: FloatArray, outward: FloatArray) -> BoolArray:
         """Return at which places (M, d) the interpolated level − w, `outward` (M,), may have the wrong sign, (M,).
 
@@ -118,23 +167,19 @@ class InsideOutside:
         """Return `count` random points (n, d), their normals (n, d), and the areas (n,) that each then stands for."""
         some = self._order[:count]
         p = self._points[some]
-        return p, self._normals[some], winding.areas(p) if count < len(self._points) else self._areas[some]
+        n = self._normals[some]
+        return p, n, winding.oriented_areas(p, n) if count < len(self._points) else self._areas[some]
 
     def _level_between_sides(self) -> float:
-        """Return the level: the median over points of the mean of w one spacing inside and one spacing outside."""
+        """Return the level: the median over points of the mean of w one spacing inside and one spacing outside.
+
+        Where the shape is thinner than a spacing both places are outside, and w does not differ between them: a shape
+        that is thin everywhere is taken to be closed.
+        """
         p, n, A = self._sample(COARSE_POINTS)
         step = A[:LEVEL_PROBES, None] ** (1.0 / (p.shape[1] - 1)) * n[:LEVEL_PROBES]
         both = np.concatenate([p[:LEVEL_PROBES] - step, p[:LEVEL_PROBES] + step])
-        w = winding.winding_number(both, p, n, A).reshape(2, -1).mean(axis=0)
-        return float(np.clip(np.median(w), 0.0, 0.5))
-
-
-def crowded(points: FloatArray) -> BoolArray:
-    """Return which points (N, d) have a spacing below `ISOLATED_SPACINGS` times the median, (N,): no outliers.
-
-    >>> line = np.column_stack([np.arange(50.0), np.zeros(50)])
-    >>> bool(crowded(np.vstack([line, [[20.0, 15.0]]]))[-1]), int(crowded(line).sum())
-    (False, 50)
-    """
-    spacing = winding.areas(points) ** (1.0 / (points.shape[1] - 1))
-    return np.asarray(spacing < ISOLATED_SPACINGS * np.median(spacing))
+        w = winding.winding_number(both, p, n, A).reshape(2, -1)
+        if np.median(w[0] - w[1]) < LEAST_JUMP:
+            return winding.SURFACE_WINDING
+        return float(np.clip(np.median(w.mean(axis=0)), 0.0, 0.5))

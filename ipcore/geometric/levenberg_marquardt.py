@@ -2,7 +2,8 @@
 
 The damping follows Nielsen (Damping parameter in Marquardt's method, IMM-REP-1999-05). After a step that decreases the
 objective as much as its quadratic model predicts, the damping falls tenfold; after a step that does not decrease it,
-the damping grows, by a factor that doubles each time.
+the damping grows, by a factor that doubles each time. A step that cannot be computed counts as one that does not
+decrease it.
 """
 
 from dataclasses import dataclass
@@ -72,10 +73,12 @@ def refine(objective: LeastSquares, a: FloatArray, effort: Effort) -> Refined:
         scaled, s = unit_diagonal(H)
         grow = 4.0
         for _ in range(DAMPING_TRIALS):
-            p = s * _solved(scaled, s * r, damping)
-            there = objective.evaluate(a + p)
-            if there.value < evaluation.value:
-                break
+            solved = _solved(scaled, s * r, damping)
+            if solved is not None:
+                p = s * solved
+                there = objective.evaluate(a + p)
+                if there.value < evaluation.value:
+                    break
             damping, grow = damping * grow, grow * 2.0
         else:
             break
@@ -89,14 +92,11 @@ def refine(objective: LeastSquares, a: FloatArray, effort: Effort) -> Refined:
     return Refined(a, evaluation, step)
 
 
-def _solved(scaled: FloatArray, r: FloatArray, damping: float) -> FloatArray:
+def _solved(scaled: FloatArray, r: FloatArray, damping: float) -> FloatArray | None:
     """Return p (m,) with (scaled + damping · 1) p = r, where `scaled` (m, m) has diagonal 1, and r is (m,).
 
-    Raises
-    ------
-    ArithmeticError
-        If the matrix is not positive definite, even with the greatest shift of its diagonal.
-
+    Return None if rounding has made the matrix indefinite, even with the greatest shift of its diagonal. At a point
+    where f and ∇f vanish together, the weights of the Gram matrices differ by so much that this happens.
     """
     for shift in DIAGONAL_SHIFTS:
         A = scaled.copy()
@@ -105,7 +105,7 @@ def _solved(scaled: FloatArray, r: FloatArray, damping: float) -> FloatArray:
         factor, failed = lapack.dpotrf(A.T, clean=False, overwrite_a=True)
         if not failed:
             return np.asarray(lapack.dpotrs(factor, r)[0])
-    raise ArithmeticError("the normal equations are not positive definite, even with a shift of 1e-9")
+    return None
 
 
 def unit_diagonal(H: FloatArray) -> tuple[FloatArray, FloatArray]:

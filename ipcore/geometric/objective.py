@@ -23,11 +23,13 @@ from ipcore.geometric.sign_constraints import SignConstraints
 from ipcore.polynomial import evaluation, graded, gram, univariate
 from ipcore.polynomial.box import Box
 from ipcore.polynomial.univariate import Basis
+from ipcore.search.stopping_rule import SHORTEST_GRADIENT
 
 # Up to this many coefficients (2D, degree 15) the product Dᵀ G D is faster with D as a dense matrix.
 DENSE_COLUMNS = 150
-# S is at least this, while the sign constraints make slopes of about 1: where f is flat, |f|/S is large, not undefined.
-FLATTEST = 1e-6
+# S is at least this, while the sign constraints make slopes of about 1: where f is flat, f/S is not undefined, and the
+# weights 1/S² of the normal equations do not differ by more than doubles can hold.
+FLATTEST = 1e-4
 
 
 class DataTables:
@@ -132,6 +134,16 @@ class Objective:
             value += places.cost(v)
         return Evaluation(distance, size, direction, shortfalls, float(value))
 
+    def rows(self, most: int) -> tuple[FloatArray, FloatArray]:
+        """Return the basis functions and their partial derivatives at n ≤ `most` of the data, (1 + d, n, m).
+
+        The second array, (d, n), are the normals there.
+        """
+        some = slice(None, None, -(-len(self.data.weights) // most))
+        tables = [table[:, some] for table in self.data.tables(self.degree)]
+        P = graded.products(tables, graded.exponents(self.data.dimension, self.degree)).T
+        return np.stack([P, *(P @ D.T for D in self._Dt)]), self.data.normals[:, some]
+
     def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
         """Return the Gauss–Newton matrix H (m, m) and r (m,), half the negative gradient of φ."""
         u = self._gradient_factor(evaluation)
@@ -145,7 +157,9 @@ class Objective:
 
     def closeness(self, evaluation: Evaluation) -> tuple[float, float]:
         """Return D_dist and D_smooth (see `search.criteria`), as means with the points' weights."""
-        length = np.maximum(np.linalg.norm(evaluation.direction, axis=0), np.finfo(float).tiny)
+        length = np.linalg.norm(evaluation.direction, axis=0)
+        longest = float((length * evaluation.size).max())
+        length = np.maximum(length, max(SHORTEST_GRADIENT * longest, np.finfo(float).tiny) / evaluation.size)
         cosine = (evaluation.direction * self.data.normals).sum(axis=0) / length
         w = self.data.weights
         return float(w @ (np.abs(evaluation.distance) / length)), float(w @ cosine)

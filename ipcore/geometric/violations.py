@@ -1,8 +1,8 @@
-"""Where a fit violates the sign constraints between their places: found on a fine, evenly spaced grid.
+"""The search for places where f has the wrong sign, on a grid that is finer than that of the sign constraints.
 
-The zero set should stay near the data and be in one piece. It divides the box into regions of one sign. The regions
-that touch each other form a tree, for a box has no holes, so the zero set has one component less than there are
-regions.
+The zero set should stay near the data and be in one piece. It divides the box into regions in which f has one sign. A
+box has no holes, so the regions that touch each other form a tree, and the zero set has one component less than there
+are regions.
 """
 
 from dataclasses import dataclass
@@ -26,8 +26,10 @@ class Violations:
 
     Attributes
     ----------
+    tensor
+        (n+1, …), the Chebyshev coefficients of the polynomial.
     f
-        (N, …), values on the grid.
+        (N, …), its values on the grid.
     minor
         (N, …), the nodes of all regions but the largest of each sign.
     suspect
@@ -42,6 +44,7 @@ class Violations:
 
     """
 
+    tensor: FloatArray
     f: FloatArray
     minor: BoolArray
     suspect: BoolArray
@@ -49,6 +52,11 @@ class Violations:
     subgrid_values: FloatArray
     components: int
     stray: float
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """Return the values (M,) of the polynomial at places t (M, d) in the Chebyshev variables."""
+        tables = [univariate.table(Basis.CHEBYSHEV, np.ascontiguousarray(x), len(self.tensor) - 1) for x in t.T]
+        return np.asarray(evaluation.scattered(self.tensor[None], tables)[0])
 
 
 class ViolationGrid:
@@ -63,6 +71,11 @@ class ViolationGrid:
         # `zero_set.support` estimates it by the distance to the nearest other point.
         self._support_radius = support_radius_of(d, 1.0, sides.spacing)
 
+    @property
+    def cell(self) -> float:
+        """Return the longest side of a cell, in mean radii."""
+        return float((self.lines[1] - self.lines[0]) * self._box.half.max())
+
     def places(self, mask: BoolArray) -> FloatArray:
         """Return the nodes of a mask (N, …) in the Chebyshev variables, (M, d)."""
         return self._at(np.flatnonzero(mask))
@@ -70,6 +83,10 @@ class ViolationGrid:
     def local(self, t: FloatArray) -> FloatArray:
         """Return places t (M, d), given in the Chebyshev variables, in the normalised frame, (M, d)."""
         return self._box.from_cube(t)
+
+    def cube(self, places: FloatArray) -> FloatArray:
+        """Return places (M, d) of the normalised frame in the Chebyshev variables, (M, d)."""
+        return self._box.to_cube(places)
 
     def find(self, tensor: FloatArray) -> Violations:
         """Return the violations of the polynomial with the Chebyshev coefficients `tensor` (n+1, …)."""
@@ -84,7 +101,7 @@ class ViolationGrid:
         suspect.flat[nodes[far]] = True
         subgrid, values = subgrid_components(tensor, self.lines, f, beside)
         stray = float(far.sum() / max(1, len(far)))
-        return Violations(f, minor, suspect, subgrid, values, regions - 1 + len(subgrid), stray)
+        return Violations(tensor, f, minor, suspect, subgrid, values, regions - 1 + len(subgrid), stray)
 
     def _at(self, nodes: IntArray) -> FloatArray:
         """Return the Chebyshev variables (M, d) of nodes, given by their numbers (M,) in C order.

@@ -15,7 +15,7 @@ from ipcore.search.fitter import PrefixFit
 from ipcore.search.leverage import Leverage
 
 
-class LeastSquaresFit(IncrementalFit):
+class DenseFit(IncrementalFit):
     """Minimises ‖M a − b‖² + κ aᵀDa, the second term if the options ask for a ridge."""
 
     def __init__(self, data: OrientedPoints, options: FitOptions, max_degree: int) -> None:

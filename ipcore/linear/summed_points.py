@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ipcore import _threads
 from ipcore._typing import FloatArray
-from ipcore.constraints.families import LAYERED_NAMES
+from ipcore.constraints.registry import LAYERED_NAMES
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.linear.layer_moments import LayerMoments
 from ipcore.options.degrees import HIGHEST_DEGREE
@@ -125,7 +125,10 @@ class SummedPoints:
         return self + type(self)(self.frame, layers, box, Sample.of(x, n))
 
     def without_sample(self) -> Self:
-        """Return the same without the sample, which is most of its bytes: enough for a fit with the points at hand."""
+        """Return the same sums without the sample of points, which takes most of the memory.
+
+        They can be added, and fitted together with the points that they are of.
+        """
         return replace(self, sample=Sample.empty(self.layers.dimension))
 
     def __add__(self, other: "SummedPoints") -> Self:

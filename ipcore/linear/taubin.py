@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from ipcore._typing import FloatArray
-from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.dense import DenseFit
 from ipcore.polynomial import graded
 from ipcore.search.fitter import PrefixFit
 
 
-class TaubinFit(LeastSquaresFit):
+class TaubinFit(DenseFit):
     """Minimises Σ f² / Σ ‖∇f‖² over the data."""
 
     def raise_to(self, alpha: int) -> PrefixFit:

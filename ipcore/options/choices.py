@@ -1,6 +1,6 @@
 """The options that take a name, one enumeration each, and the check of a name.
 
-The constraint families, which take a name too, are enumerated in `ipcore.constraints.families`.
+The constraint families, which take a name too, are enumerated in `ipcore.constraints.registry`.
 """
 
 from enum import StrEnum
@@ -38,7 +38,7 @@ class Preset(StrEnum):
 
 
 class Criterion(StrEnum):
-    """What ends the search over degrees; one class of `ipcore.search.stopping` each.
+    """What ends the search over degrees; one class of `ipcore.search.criteria` each.
 
     `distance` is the paper's rule (7). `gcv`, `bic` and `loo` look for the minimum of generalised cross-validation, of
     Schwarz' criterion, and of the mean squared error at points left out one by one. `none` goes on to `max_degree`.

@@ -1,6 +1,6 @@
 """Checks of options that are allowed each on its own, but not together. Every check raises `InvalidOptionsError`."""
 
-from ipcore.constraints.families import LAYERED_NAMES, Constraints
+from ipcore.constraints.registry import LAYERED_NAMES, Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.options.choices import Collinear, Criterion, Factor, Ridge
 

@@ -4,8 +4,7 @@ from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import Any, Self
 
-from ipcore.constraints.families import Constraints
-from ipcore.constraints.family import Family, RowParameters
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.options import choices, contradictions
 from ipcore.options.choices import (
@@ -18,6 +17,8 @@ from ipcore.options.choices import (
     RidgeMatrix,
 )
 from ipcore.options.degrees import HIGHEST_DEGREE, last_degree
+from ipcore.options.derived import DerivedOptions
+from ipcore.options.idle import check_acting
 from ipcore.options.presets import PRESETS
 from ipcore.options.ranges import RANGES, check_integer, check_number
 from ipcore.polynomial.univariate import Basis
@@ -34,7 +35,7 @@ _CHOICES: dict[str, type[StrEnum]] = {
 
 
 @dataclass(frozen=True)
-class FitOptions:
+class FitOptions(DerivedOptions):
     """The options of one fit. An option with named values takes the name or the member of its enumeration.
 
     Attributes
@@ -91,7 +92,7 @@ class FitOptions:
     Raises
     ------
     InvalidOptionsError
-        If a value is not allowed, or contradicts another; `at` names the option.
+        If a value is not allowed, contradicts another, or has no effect beside the others; `at` names the option.
 
     """
 
@@ -135,7 +136,14 @@ class FitOptions:
         for name in given:
             if name not in names:
                 raise InvalidOptionsError(f"there is no option {name}", (name,))
-        return cls(**{**start, **given})
+        try:
+            return cls(**{**start, **given})
+        except InvalidOptionsError as error:
+            if not set(error.at) <= start.keys() - given.keys():
+                raise
+            # an option of the preset has no effect beside those given, and nobody asked for it
+            acting = {name: value for name, value in start.items() if name not in error.at}
+            return cls(**{**acting, **given})
 
     def __post_init__(self) -> None:
         """Check every value that does not depend on the data, and replace names by the members that they name."""
@@ -156,81 +164,15 @@ class FitOptions:
         contradictions.check_collinear(self.collinear, self.ridge)
         contradictions.check_factor(self.factor, self.constraints, self.criterion, needs_rows=self.needs_rows)
         contradictions.check_linear(
-            needs_linear=self._needs_linear,
+            needs_linear=self.needs_linear,
             signs=self.signs,
             geometric=self.geometric,
             robust=self.robust,
             is_linear=self.is_linear,
         )
-
-    @property
-    def family(self) -> Family:
-        """Return the constraint family."""
-        return self.constraints.family
-
-    @property
-    def row_parameters(self) -> RowParameters:
-        """Return what the family's rows depend on."""
-        return RowParameters(self.layer_distance, self.gradient_weight)
-
-    @property
-    def layer_offsets(self) -> tuple[float, ...]:
-        """Return the offsets of the layers, in mean radii, if all rows are values of f on layers; else ()."""
-        return self.family.layer_offsets(self.layer_distance)
-
-    @property
-    def needs_rows(self) -> bool:
-        """Return whether a linear fit needs all rows at once.
-
-        It does to leave points out, for a right-hand side that depends on the degree, and for an eigenvector.
-        """
-        family = self.family
-        return self.criterion.needs_rows or family.rhs_depends_on_degree or not family.is_least_squares
-
-    @property
-    def holds_design_matrix(self) -> bool:
-        """Return whether a linear fit with these options holds all rows and columns of M at once."""
-        return self.needs_rows or self.factor in {Factor.BLOCK, Factor.GRAM_SCHMIDT}
-
-    @property
-    def fits_from_moments(self) -> bool:
-        """Return whether a fit with these options can be made from moments alone: a linear fit to layers, without Q."""
-        by_rows = self.holds_design_matrix or self.factor is Factor.TSQR
-        return self.is_linear and not by_rows and bool(self.layer_offsets)
-
-    @property
-    def _needs_linear(self) -> bool:
-        """Whether an option is given that only a linear fit has."""
-        return (
-            self.constraints is not Constraints.THREE_LAYER
-            or self.granularity is not Granularity.FORM
-            or self.factor is not Factor.AUTO
-            or self.ridge is not Ridge.NONE
-            or self.collinear is not None
-            or self.criterion.needs_least_squares
-        )
-
-    @property
-    def on_geometric(self) -> bool:
-        """Return `geometric` with its default filled in: whether distances and angles are minimised."""
-        return not self._needs_linear if self.geometric is None else self.geometric
-
-    @property
-    def on_signs(self) -> bool:
-        """Return `signs` with its default filled in: whether the sign of f is constrained."""
-        return self.on_geometric if self.signs is None else self.signs
-
-    @property
-    def is_linear(self) -> bool:
-        """Return whether the fit is linear: neither geometric nor under sign constraints."""
-        return not (self.on_geometric or self.on_signs)
-
-    @property
-    def on_collinear(self) -> Collinear:
-        """Return `collinear` with its default filled in: what is done with collinear columns."""
-        if self.collinear is not None:
-            return self.collinear
-        return Collinear.RIDGE if self.ridge is Ridge.SELECTIVE else Collinear.DROP
+        for field in fields(self):
+            if getattr(self, field.name) != field.default:
+                check_acting(field.name, self.acting)
 
     def degree_cap(self, dimension: int) -> int:
         """Return the last degree to try on points of this dimension.

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from ipcore._threads import by_rows
 from ipcore._typing import FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
+from ipcore.points.distinct import may_repeat
 from ipcore.points.neighbours import nearest
 from ipcore.points.orientation import outward_signs
 from ipcore.points.outline import is_outline, outline_normals
@@ -25,8 +26,6 @@ from ipcore.points.winding import NEIGHBOURS, areas_within
 # which connect nearly all points, and to sort these takes a third of the time.
 LIGHT_EDGES = 0.3
 WEIGHTED_EDGES = 100_000  # of which the quantile of that share is taken
-# Weights of coordinates. Points that differ have different weighted sums, but for rare coincidences.
-MIXING_WEIGHTS = (1.0, np.sqrt(2.0), np.sqrt(3.0))
 
 Graph = csr_array[np.float64, tuple[int, int]]
 
@@ -124,8 +123,7 @@ def _distinct(points: FloatArray) -> tuple[FloatArray, IntArray]:
     They come in the order of a tree's leaves, so that the neighbours of one and the next are mostly in the cache.
     """
     p, copies = points, np.arange(len(points))
-    mixed = np.sort(sum(weight * x for weight, x in zip(MIXING_WEIGHTS, points.T, strict=False)))
-    if not mixed[:-1].size or (mixed[1:] == mixed[:-1]).any():  # if all sums differ, so do the points
+    if may_repeat(points):
         p, inverse = np.unique(points, axis=0, return_inverse=True)
         copies = inverse.ravel()
     order = cKDTree(p).indices

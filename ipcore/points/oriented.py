@@ -9,7 +9,10 @@ import numpy as np
 
 from ipcore._typing import FloatArray
 from ipcore.points import winding
+from ipcore.points.distinct import without_copies
 from ipcore.points.normals import NormalSource, orient
+from ipcore.points.outliers import without_outliers
+from ipcore.points.outline import is_outline, outline_normals
 from ipcore.points.sample import SAMPLE_SIZE, Sample
 from ipcore.points.stream import PointStream
 from ipcore.points.validation import PointSet, unit
@@ -21,6 +24,9 @@ from ipcore.polynomial.univariate import Basis
 # The bounds of a fit are the data's box grown by this much on every side, in mean radii: room for the zero set to close
 # around the data, and for the outer layers (layer_distance is at most this).
 BOUNDS_MARGIN = 0.3
+# Up to this share of copies, an outline meets itself in them: it gets its normals before copies are merged, for two of
+# its curves may pass through one place. Of more copies, the outline itself is a copy.
+MEETING_SHARE = 0.05
 PART_POINTS = 8192  # points of a part, in passes over all points
 
 
@@ -84,6 +90,9 @@ class OrientedPoints:
         N, the number of all points.
     stream
         The stream of all points, if `points` are a sample of them; else None.
+    merged, outliers, incomplete
+        How many of the caller's points are not among these: copies of others, outliers, and points with a missing
+        value.
 
     """
 
@@ -95,6 +104,26 @@ class OrientedPoints:
     planar: bool
     count: int
     stream: PointStream | None = None
+    merged: int = 0
+    outliers: int = 0
+    incomplete: int = 0
+
+    @classmethod
+    def prepared(cls, given: PointSet | PointStream, neighbours: int, *, robust: bool) -> Self:
+        """Return points as `of` does, but of copies only one, and without outliers if the fit is `robust`.
+
+        Of a stream nothing is left out. `neighbours` is as for `of`.
+        """
+        if isinstance(given, PointStream):
+            return cls.of(given, neighbours)
+        distinct, merged = without_copies(given)
+        if not robust and 0 < merged <= MEETING_SHARE * len(given.points) and _runs_along_curves(given):
+            along = replace(given, normals=outline_normals(given.points))
+            distinct, merged = without_copies(along)
+            found = replace(cls.of(distinct, neighbours), source=NormalSource.OUTLINE)
+            return replace(found, merged=merged, incomplete=given.incomplete)
+        left, outliers = without_outliers(distinct) if robust else (distinct, 0)
+        return replace(cls.of(left, neighbours), merged=merged, outliers=outliers, incomplete=given.incomplete)
 
     @classmethod
     def of(cls, given: PointSet | PointStream, neighbours: int, frame: Frame | None = None) -> Self:
@@ -165,6 +194,11 @@ class OrientedPoints:
     def self_check(self) -> float:
         """Return the share of points whose normals agree with the winding number, see `winding.self_check`."""
         return winding.self_check(self.points, self.normals)
+
+
+def _runs_along_curves(given: PointSet) -> bool:
+    """Return whether points without normals run along an outline, whose order then gives the normals."""
+    return given.normals is None and given.points.shape[1] == 2 and is_outline(given.points)
 
 
 def _grown(box: FloatArray) -> FloatArray:

@@ -14,10 +14,14 @@ from ipcore._typing import FloatArray, IntArray
 from ipcore.errors import InvalidPointsError
 from ipcore.points.neighbours import nearest
 from ipcore.points.orientation import outward_signs
+from ipcore.points.polygon import crosses_itself, right_is_outside
 
 # The greatest length of the path through an outline's points over that of their tree: on 14 outlines it is 1.00–1.03,
 # with noise of ½ spacing 1.15–1.3, of ¾ 1.2–1.5, of one 1.4–1.8.
 PATH_RATIO = 1.5
+# The same where the path is a closed polygon that does not meet itself: the tree of a shape thinner than the spacing
+# runs along both sides at once, so that its length is half that of the path.
+THIN_PATH_RATIO = 2.2
 TREE_NEIGHBOURS = 8  # with as many neighbours, the ratios above are those of the exact tree to 0.01
 JUMP_STEPS = 3.0  # median steps: a longer step leads to the next curve; within a curve it does no harm (see `_pieces`)
 # The greatest share of jumps among the steps: an outline has 10 points or more. Of 1,000 random orders of 12 points
@@ -35,7 +39,7 @@ def is_outline(points: FloatArray) -> bool:
     A path along a curve is about as long as the points' Euclidean minimum spanning tree, and no path is shorter; a path
     in random order is longer by a factor of about √N. Where the noise exceeds the spacing, the path zigzags and is no
     outline: the neighbours then give better normals than the order. Jumps between curves do not count, unless they are
-    many.
+    many. A shape thinner than the spacing of its points is recognised by its polygon, which does not meet itself.
 
     >>> zigzag = np.array([[0.0, 0.0], [3.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
     >>> is_outline(zigzag), is_outline(np.sort(zigzag, axis=0))
@@ -46,14 +50,18 @@ def is_outline(points: FloatArray) -> bool:
         return False
     jumps = steps > _jump(steps)
     path = steps.sum() if jumps.mean() > JUMP_SHARE else steps[~jumps].sum()
-    return bool(path <= PATH_RATIO * _tree_length(points))
+    ratio = path / _tree_length(points)
+    if ratio <= PATH_RATIO:
+        return True
+    return bool(ratio <= THIN_PATH_RATIO and _is_closed(points, _jump(steps)) and not crosses_itself(points))
 
 
 def outline_normals(points: FloatArray) -> FloatArray:
     """Return outward normals of 2D points that stand in order along one or several curves.
 
     Curves may be closed or open and run in either direction. A curve that ends near its start is closed; a step of more
-    than 3 spacings from there leads to the next curve. Between open pieces such a step is a straight edge.
+    than 3 spacings from there leads to the next curve. Between open pieces such a step is a straight edge. The inside
+    of a closed curve that crosses itself is that of the even-odd rule.
 
     Parameters
     ----------
@@ -83,6 +91,10 @@ def outline_normals(points: FloatArray) -> FloatArray:
     for label, (piece, closed) in enumerate(_pieces(p)):
         normals[piece], chords[piece] = _along(p[piece], closed=closed)
         labels[piece] = label
+        if closed and crosses_itself(p[piece]):
+            sign = right_is_outside(p[piece])[:, None]
+            normals[piece] *= sign
+            chords[piece] *= sign
     lengths = np.linalg.norm(chords, axis=1)
     normals *= outward_signs(p, normals, lengths, chords, labels)[:, None]
     return np.asarray(normals[np.cumsum(first) - 1])
@@ -149,7 +161,7 @@ def _along(p: FloatArray, *, closed: bool) -> tuple[FloatArray, FloatArray]:
     if not closed:
         steps[-1] = 0.0
     length = np.linalg.norm(steps, axis=1, keepdims=True)
-    median = np.median(length[length > 0.0])
+    median = np.median(length[length > 0.0]) if length.any() else 1.0  # else one point only, between two jumps
     even = steps * (median / np.maximum(length, median))
     even = np.append(
         even, np.zeros((0 if closed else len(STEP_WEIGHTS), 2)), axis=0

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidNormalsError, InvalidPointsError, IPCoreError
 from ipcore.points import digest
+from ipcore.points.far_points import setting_the_unit
 from ipcore.polynomial.frame import Frame
 
 # A principal extent below this share of the longest one counts as 0. Points stored in single precision have rounding
@@ -31,6 +32,8 @@ class PointSet:
         The normalised frame of the points.
     sha256
         The digest of points and normals, as `ipcore.points.digest` defines it.
+    incomplete
+        How many more points the caller had, which were left out because a value of theirs was missing.
 
     """
 
@@ -39,6 +42,7 @@ class PointSet:
     planar: bool
     frame: Frame
     sha256: str
+    incomplete: int = 0
 
 
 def check(points: ArrayLike | PointSet, normals: ArrayLike | None = None) -> PointSet:
@@ -70,7 +74,17 @@ def check(points: ArrayLike | PointSet, normals: ArrayLike | None = None) -> Poi
     centred = x - x.mean(axis=0)
     size = extent(centred, x)
     R = np.asarray(np.linalg.qr(centred / size, mode="r"))
-    planar = rank(R, size, float(np.abs(x).max())) < x.shape[1]
+    try:
+        planar = rank(R, size, float(np.abs(x).max())) < x.shape[1]
+    except InvalidPointsError as error:
+        far = setting_the_unit(x)
+        if not far:
+            raise
+        raise InvalidPointsError(
+            f"{error.message}, to rounding, as {far} of them {'is' if far == 1 else 'are'} so far from all others that "
+            "these look like one: remove the far ones",
+            ("points",),
+        ) from error
     return PointSet(x, n, planar, Frame.of(x), digest.sha256(x, n))
 
 

@@ -67,7 +67,7 @@ def scattered_stacks(stacks: list[FloatArray], tables: list[FloatArray]) -> list
     that takes about p n³/4 multiplications per point in BLAS-3.
     """
     top, N = max(len(stack[0]) for stack in stacks) - 1, tables[0].shape[1]
-    forms = [_Form.of(stack) for stack in stacks]
+    forms = [_GroupedCoefficients.of(stack) for stack in stacks]
     outs = [np.empty((len(stack), N)) for stack in stacks]
     scratch = np.empty((graded.count(len(tables) - 1, top), min(CHUNK_POINTS, N)))
     for start in range(0, N, CHUNK_POINTS):
@@ -79,7 +79,7 @@ def scattered_stacks(stacks: list[FloatArray], tables: list[FloatArray]) -> list
 
 
 @dataclass(frozen=True, eq=False)
-class _Form:
+class _GroupedCoefficients:
     """The coefficients of p polynomials of degree n as matrices, one for each group of degrees k of the last variable.
 
     Attributes

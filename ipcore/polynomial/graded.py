@@ -28,6 +28,18 @@ def count(dimension: int, degree: int) -> int:
     return product
 
 
+def highest_determined(dimension: int, points: int, most: int) -> int:
+    """Return the highest degree, from 1 to `most`, whose polynomials so many points determine, up to a factor.
+
+    A polynomial with m coefficients and its multiples have the same zero set, so m − 1 points in general position
+    determine it: five points a conic, nine a quadric.
+
+    >>> highest_determined(2, 5, 10), highest_determined(3, 9, 10), highest_determined(2, 2, 10)
+    (2, 2, 1)
+    """
+    return max((n for n in range(1, most + 1) if count(dimension, n) - 1 <= points), default=1)
+
+
 def form(dimension: int, degree: int) -> slice:
     """Return the columns (from 0) of the form L_s, s = `degree`.
 

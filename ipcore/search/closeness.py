@@ -3,6 +3,7 @@ r"""How close and how smooth a polynomial is at the data (the paper's section 4.
 D_dist   = mean |f(x_i)| / ‖∇f(x_i)‖         the first-order distance of the data from the zero set, in mean radii
 D_smooth = mean n_i · ∇f(x_i) / ‖∇f(x_i)‖    the cosine between the data's normals and the fit's               (6)
 
+Where f and ∇f vanish together, ‖∇f‖ is replaced by a small share of its maximum (`SHORTEST_GRADIENT`).
 All polynomials and points here are in the normalised frame. The data are taken part by part, by several threads.
 """
 
@@ -16,10 +17,9 @@ from ipcore import _threads
 from ipcore._typing import FloatArray
 from ipcore.points.oriented import OrientedPoints, Part
 from ipcore.polynomial.implicit import ImplicitPolynomial, values_and_gradients
+from ipcore.search.stopping_rule import SHORTEST_GRADIENT
 
 WeightedPart = tuple[Part, FloatArray | None]
-# Gradients are taken to be at least this long, so that a point where f is flat is far from the zero set, not undefined.
-SHORTEST_GRADIENT = np.finfo(float).tiny
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ def distances_and_cosines(f: FloatArray, gradient: FloatArray, normals: FloatArr
     >>> [values.tolist() for values in at]
     [[0.05], [1.0]]
     """
-    size = np.maximum(np.linalg.norm(gradient, axis=1), SHORTEST_GRADIENT)
+    size = _lengths(gradient)
     return np.abs(f) / size, np.einsum("ij,ij->i", normals, gradient) / size
 
 
@@ -119,5 +119,10 @@ def _distances_and_cosines(
 def _shift(fitted: ImplicitPolynomial, delivered: ImplicitPolynomial, part: Part) -> float:
     """Return the maximum of |f_fitted − f_delivered| / ‖∇f_delivered‖ over one part."""
     f, gradient = delivered.value_and_gradient(part.points)
-    size = np.maximum(np.linalg.norm(gradient, axis=1), SHORTEST_GRADIENT)
-    return float((np.abs(fitted(part.points) - f) / size).max())
+    return float((np.abs(fitted(part.points) - f) / _lengths(gradient)).max())
+
+
+def _lengths(gradient: FloatArray) -> FloatArray:
+    """Return ‖∇f‖ (n,) of gradients (n, d), none shorter than `SHORTEST_GRADIENT` times the longest."""
+    length = np.linalg.norm(gradient, axis=1)
+    return np.asarray(np.maximum(length, max(SHORTEST_GRADIENT * length.max(initial=0.0), np.finfo(float).tiny)))

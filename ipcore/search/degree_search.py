@@ -12,10 +12,11 @@ from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial import graded
 from ipcore.search.closeness import Closeness, closenesses
+from ipcore.search.coverage import coverage
+from ipcore.search.criteria import StoppingCriterion, gcv
 from ipcore.search.fitter import Fitter, PrefixFit
 from ipcore.search.result import Step
 from ipcore.search.stop_reason import StopReason
-from ipcore.search.stopping import StoppingCriterion, gcv
 
 Progress = Callable[[Step], None]
 
@@ -87,8 +88,8 @@ class DegreeSearch:
         return best, reason
 
     def _determined(self, alphas: Sequence[int]) -> Sequence[int]:
-        """Return the first α, and those that are no more than there are points."""
-        most = max(self.data.count, self.data.points.shape[1] + 1)
+        """Return the first α, and those that the points determine, which are up to one more than there are points."""
+        most = max(self.data.count, self.data.points.shape[1]) + 1
         return [alpha for k, alpha in enumerate(alphas) if not k or alpha <= most]
 
     def _batches(self, alphas: Sequence[int], progress: Progress | None) -> Sequence[Sequence[int]]:
@@ -115,11 +116,17 @@ class DegreeSearch:
         measured = closenesses([fit.polynomial for fit in fits], self.data, fits[0].weights)
         share = (perf_counter() - started) / len(fits)
         return [
-            Candidate(fit, closeness, self._step(fit, closeness, one + share))
+            Candidate(fit, closeness, self._step(fit, closeness, self._coverage(fit, closeness), one + share))
             for fit, closeness, one in zip(fits, measured, seconds, strict=True)
         ]
 
-    def _step(self, fit: PrefixFit, closeness: Closeness, seconds: float) -> Step:
+    def _coverage(self, fit: PrefixFit, closeness: Closeness) -> float | None:
+        """Return the share of the data near a zero of f, if D_dist < T₁, as the stopping rule wants it; else None."""
+        if closeness.d_dist >= self._criterion.rule.t1:
+            return None
+        return coverage(fit.polynomial, self.data, self.options.t1, fit.weights)
+
+    def _step(self, fit: PrefixFit, closeness: Closeness, covered: float | None, seconds: float) -> Step:
         step = Step(
             degree=fit.polynomial.degree,
             columns=fit.columns,
@@ -134,5 +141,6 @@ class DegreeSearch:
             diagonal_ratio=fit.diagonal_ratio,
             iterations=fit.iterations,
             quiet=fit.quiet,
+            coverage=covered,
         )
         return self._criterion.record(step, fit)

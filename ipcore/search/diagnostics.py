@@ -5,14 +5,16 @@ from functools import partial
 from typing import Any
 
 from ipcore import _threads
+from ipcore._typing import FloatArray
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.leading_form import is_bounded
 from ipcore.search.closeness import closeness, distance_quantile
+from ipcore.search.coverage import coverage
 from ipcore.search.degree_search import Candidate
 from ipcore.search.result import Diagnostics
-from ipcore.zero_set.stray import straying
+from ipcore.zero_set.survey import straying
 
 # Points below which other threads are not worth starting.
 ONE_THREAD_POINTS = 4096
@@ -31,8 +33,14 @@ def diagnose(
     """
     fitted, weights = best.fit.polynomial, best.fit.weights
     at_data = best.closeness if delivered is fitted else closeness(delivered, data, weights)
-    (stray, components), self_check, bounded = _in_parallel(
-        [partial(_stray, delivered, data, options), data.self_check, partial(is_bounded, fitted)], data.count
+    (stray, components), self_check, bounded, covered = _in_parallel(
+        [
+            partial(_stray, delivered, data, options),
+            data.self_check,
+            partial(is_bounded, fitted),
+            partial(coverage, delivered, data, options.t1, weights),
+        ],
+        data.count,
     )
     return Diagnostics(
         d_dist=at_data.d_dist,
@@ -47,8 +55,16 @@ def diagnose(
         orthogonality_loss=orthogonality_loss,
         quiet=bool(best.fit.quiet) if options.on_signs else None,
         unsure=best.fit.unsure,
-        outliers=None if weights is None else float((weights == 0.0).mean()),
+        outliers=_outliers(data, weights) if options.robust else None,
+        coverage=covered,
+        merged=data.merged,
     )
+
+
+def _outliers(data: OrientedPoints, weights: FloatArray | None) -> float:
+    """Return the share of the distinct points that were left out, before the fit or in it, where their weight is 0."""
+    left_out = data.outliers + (0 if weights is None else int((weights == 0.0).sum()))
+    return left_out / (data.count + data.outliers)
 
 
 def _stray(delivered: ImplicitPolynomial, data: OrientedPoints, options: FitOptions) -> tuple[float | None, int | None]:

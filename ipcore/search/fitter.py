@@ -14,7 +14,8 @@ class PrefixFit:
     Attributes
     ----------
     polynomial
-        In the normalised frame and the basis of the method; 0 where a column was dropped or is not yet appended.
+        The fit, in the normalised frame and the basis of the method. Coefficients whose columns were dropped, or are
+        not yet appended, are 0.
     rows, columns, dropped, ridged
         How many equations, coefficients in use, coefficients left out, and coefficients damped there are.
     degrees_of_freedom

@@ -7,9 +7,9 @@ from ipcore.polynomial.univariate import Basis
 from ipcore.search.closeness import delivery_shift
 from ipcore.search.degree_search import Candidate, DegreeSearch
 from ipcore.search.diagnostics import diagnose
+from ipcore.search.fit_warnings import DataFindings, fit_warnings
 from ipcore.search.result import FitResult
 from ipcore.search.stop_reason import StopReason
-from ipcore.search.warning_texts import warning_texts
 
 
 def fit_result(search: DegreeSearch, best: Candidate, reason: StopReason, input_sha256: str) -> FitResult:
@@ -19,7 +19,8 @@ def fit_result(search: DegreeSearch, best: Candidate, reason: StopReason, input_
     delivered = fitted.to_monomial() if options.basis is Basis.MONOMIAL else fitted.to_chebyshev()
     loss = search.fitter.orthogonality_loss(best.step.columns)
     diagnostics = diagnose(best, delivered, data, options, loss)
-    warnings = warning_texts(diagnostics, reason, delivery_shift(fitted, delivered, data))
+    found = DataFindings.of(data, diagnostics.normal_self_check)
+    warnings = fit_warnings(diagnostics, reason, delivery_shift(fitted, delivered, data), found)
     return FitResult(
         polynomial=data.to_raw(delivered),
         stop_reason=reason,

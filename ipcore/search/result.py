@@ -6,6 +6,7 @@ from typing import Any
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.normals import NormalSource
 from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.search.fit_warning import FitWarning
 from ipcore.search.stop_reason import StopReason
 
 
@@ -46,6 +47,9 @@ class Step:
     quiet
         Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not checked,
         because the fit is linear or still far from the criterion.
+    coverage
+        Share of the data that have a zero of f within 3 t1; None if that was not checked, because D_dist is not below
+        t1.
 
     """
 
@@ -64,6 +68,7 @@ class Step:
     diagonal_ratio: float | None = None
     iterations: int = 0
     quiet: bool | None = None
+    coverage: float | None = None
 
     @property
     def alpha(self) -> int:
@@ -84,7 +89,8 @@ class Diagnostics:
     distance_p95, distance_max
         95th percentile and maximum of the distance |f|/‖∇f‖ over the data.
     stray
-        Share of the zero set's length or area, within the bounds, that lies away from all data; None if not measured.
+        Share of the zero set's length or area, within the bounds, that lies away from all data; None if there is no
+        zero set, or it was not measured.
     components
         Connected components of the zero set within the bounds; None if not measured.
     normal_source
@@ -103,7 +109,12 @@ class Diagnostics:
         Share of the box, without what is near the data, where the data do not tell inside from outside; None without
         sign constraints.
     outliers
-        Share of the points that a robust fit left out, and that no other figure counts; None if the fit is not robust.
+        Share of the distinct points that a robust fit left out, and that no other figure counts; None if the fit is not
+        robust.
+    coverage
+        Share of the data that have a zero of f within 3 t1, shown by a change of the sign of f.
+    merged
+        How many of the given points were copies of others; each place is fitted once.
 
     """
 
@@ -120,6 +131,8 @@ class Diagnostics:
     quiet: bool | None = None
     unsure: float | None = None
     outliers: float | None = None
+    coverage: float | None = None
+    merged: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +150,7 @@ class FitResult:
     diagnostics
         What was measured of the answer at the data, and of its zero set.
     warnings
-        What a careful user should know, in plain words.
+        What a careful user should know, each with a code and in plain words.
     options
         The options of the fit.
     version
@@ -151,7 +164,7 @@ class FitResult:
     stop_reason: StopReason
     steps: tuple[Step, ...]
     diagnostics: Diagnostics
-    warnings: tuple[str, ...]
+    warnings: tuple[FitWarning, ...]
     options: FitOptions
     version: str
     input_sha256: str
@@ -168,7 +181,7 @@ class FitResult:
             "stop_reason": str(self.stop_reason),
             "steps": [asdict(step) for step in self.steps],
             "diagnostics": asdict(self.diagnostics),
-            "warnings": list(self.warnings),
+            "warnings": [warning.to_dict() for warning in self.warnings],
             "options": self.options.to_dict(),
             "engine": {"version": self.version, "input_sha256": self.input_sha256},
         }

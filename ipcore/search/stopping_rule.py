@@ -9,6 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# Where ‖∇f‖ is less than this share of its maximum over the data, |f| is divided by that share instead. Where a curve
+# crosses or touches itself f and ∇f are 0 together, and |f|/‖∇f‖ is a quotient of rounding errors, which could be 1.
+SHORTEST_GRADIENT = 1e-4
+
 
 @dataclass(frozen=True)
 class StoppingRule:

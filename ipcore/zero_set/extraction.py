@@ -137,10 +137,11 @@ class Sampling:
         return cls(first, planes)
 
     def into(self, out: FloatArray, origin: IntArray) -> None:
-        """Write f at the nodes of a block into `out` (…), whose first node is `origin` (d,), and 0 beyond the walls.
+        """Write the values of f at the nodes of a block into `out` (…); beyond the walls they are 0.
 
-        The sums are added term by term, without BLAS, whose last bits depend on where in a matrix a number stands: a
-        node about whose sign two blocks disagreed would leave a hole in the surface.
+        `origin` (d,) is the first node of the block. The sums are added term by term and not by BLAS, which rounds the
+        same sum differently at different places of a matrix. Two blocks share nodes, and must find the same sign there:
+        else the surface has a hole.
         """
         counts = (len(self.lines), *self.planes.shape[1:])
         start, stop = np.maximum(origin, 0), np.minimum(origin + out.shape, counts)

@@ -66,10 +66,15 @@ def _crossed_edges(inside: BoolArray) -> list[IntArray]:
 
 
 def _edge_vertices(blocks: Blocks, edges: list[IntArray]) -> tuple[FloatArray, BoolArray, IntArray, IntArray]:
-    """Return the vertices on crossed edges (E, d) in grid indices, which were moved onto a wall (E,), and the shared.
+    """Return the vertices of the blocks: one for each edge of the grid on which f changes sign.
 
-    The shared ones (S,) come with their keys (S,). The key is that of the edge; for an edge that ends beyond a wall it
-    is that of its node on the wall, onto which the vertices of all such edges are moved.
+    Returns
+    -------
+        The vertices (E, d), in grid indices; whether each was moved onto a wall of the box (E,); the numbers (S,) of
+        those that other blocks have, too; and the keys (S,) by which the same vertex of two blocks is recognised. The
+        key is that of the edge. An edge that ends beyond a wall has its vertex moved to its node on the wall, and the
+        key of that node.
+
     """
     row, d, counts = blocks.values.ravel(), len(edges), blocks.grid.counts
     index, moved, shared, keys = [], [], [], []

@@ -50,6 +50,29 @@ def unit_normals(
     within = mesh.held.all(axis=1)
     wall = mesh.vertices[within]
     direction[within] = (wall == bounds[1]).astype(float) - (wall == bounds[0])
+    return _unit(direction)
+
+
+def onto_zero_set(polynomial: ImplicitPolynomial, x: FloatArray, spacing: float) -> tuple[FloatArray, FloatArray]:
+    """Return points x (n, d), raw, moved onto f = 0 as `polish` moves vertices, and ∇f/‖∇f‖ there, (n, d) both.
+
+    The normal is 0 where ∇f vanishes.
+
+    >>> from ipcore import shapes
+    >>> x, normals = onto_zero_set(shapes.circle().polynomial, np.array([[1.1, 0.0]]), 0.5)
+    >>> x.round(9).tolist(), normals.round(9).tolist()
+    ([[1.0, 0.0]], [[1.0, 0.0]])
+    """
+    free = np.zeros(x.shape, dtype=bool)
+    for _ in range(NEWTON_STEPS):
+        step = _step(polynomial, x, free, slice(None))
+        length = np.linalg.norm(step, axis=1)
+        x = x + step * (0.5 * spacing / np.maximum(length, 0.5 * spacing))[:, None]
+    return x, _unit(polynomial.gradient(x))
+
+
+def _unit(direction: FloatArray) -> FloatArray:
+    """Return vectors (n, d) scaled to length 1; 0 stays."""
     length = np.sqrt(np.einsum("vk,vk->v", direction, direction))[:, None]
     return np.asarray(np.divide(direction, length, out=np.zeros_like(direction), where=length > 0.0))
 

@@ -1,19 +1,15 @@
 """The support of a zero set: the space near the data, and which points lie in it.
 
-Two radii about the data, both raw, decide about a part of a zero set. Beyond the *support radius* the part is stray:
-no data are near enough to support it. Within the *gap radius*, which may be larger, a restricted zero set keeps the
-part all the same, so that it has no holes where random data happen to leave gaps.
-
-Most points are compared with the radii by the cubic bin in which they lie, without a search for their nearest datum.
+Two radii about the data decide about a part of a zero set. Within the *support radius* the data support it. Between it
+and the *gap radius*, which may be larger, it may lie in a gap that random data happen to leave: see `stray`.
 """
 
 import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from ipcore._threads import by_rows
 from ipcore._typing import BoolArray, FloatArray, IntArray
-from ipcore.points.neighbours import SERIAL_QUERIES, nearest
+from ipcore.points.neighbours import nearest
 from ipcore.polynomial.frame import Frame
 
 # The support radius in mean radii and in point spacings, whichever is more: chosen over 37 shapes so that neither
@@ -29,8 +25,11 @@ GAP_FACTOR = 1.25
 # Bins along the longest axis of the box of the points. The support radius is at least a tenth of the data's mean
 # radius, so several bins: few bins are cut by the surface at that radius.
 BINS = 64
-SPACING_SAMPLE = 1024  # data by which the spacing of many is estimated: its median is off by 1/25 of the spread
-BIN_HALF = 0.501  # half a bin's side, in sides: a little more for rounding, which is below …
+# Data by which the spacing of many is estimated: the median is off by 1/25 of the spread, and the 99th percentile that
+# the gap radius needs lies between the 98.4th and the 99.6th.
+SPACING_SAMPLE = 1024
+FEW_POINTS = 1024  # the nearest datum of so few points is found faster than their bins
+BIN_SLACK = 0.998  # for rounding, which is below …
 LEAST_BIN = 1e-9  # … this share of the coordinates, the least side of a bin
 
 
@@ -55,7 +54,7 @@ def support_radius(data: FloatArray, scale: float) -> float:
     >>> support_radius(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), scale=10.0)
     2.5
     """
-    return _support_radius(_spacings(cKDTree(data), None), data.shape[1], scale)
+    return support_radius_of(data.shape[1], scale, float(np.median(_spacings(data, 1))))
 
 
 def gap_radius(data: FloatArray) -> float:
@@ -65,36 +64,23 @@ def gap_radius(data: FloatArray) -> float:
     >>> round(gap_radius(100 / (2 * np.pi) * np.column_stack([np.cos(turn), np.sin(turn)])), 2)
     3.74
     """
-    return _gap_radius(_spacings(cKDTree(data), None))
+    return GAP_FACTOR * float(np.quantile(_spacings(data, GAP_NEIGHBOUR), GAP_QUANTILE))
 
 
-def radii_exceeded(x: FloatArray, data: FloatArray, threads: int | None = None) -> IntArray:
-    """Return for points x (n, d) how many of the two radii of the data (N, d) they are beyond, (n,); all raw.
-
-    0: within the support radius. 1: beyond it, but within the gap radius. 2: beyond both.
-    """
-    tree = cKDTree(data)
-    spacings = _spacings(tree, threads)
-    support = _support_radius(spacings, data.shape[1], Frame.of(data).scale)
-    return distances_exceeded(tree, x, (support, max(support, _gap_radius(spacings))), threads)
-
-
-def is_stray(x: FloatArray, data: FloatArray) -> BoolArray:
+def is_beyond_support(x: FloatArray, data: FloatArray, threads: int | None = None) -> BoolArray:
     """Return which points x (n, d) are beyond the support radius of the data (N, d), (n,); all raw.
 
-    The spacing of many data is estimated by some of them. All points in a bin that holds data are within the radius, if
-    the bin's diagonal is shorter. All points in a bin are beyond it if no bin within the radius holds data. The nearest
-    datum is searched for the points in the other bins only.
+    Most of many points are judged by the cubic bin in which they lie. All points in a bin that holds data are within
+    the radius, if the bin's diagonal is shorter. All points in a bin are beyond it if no bin within the radius holds
+    data. The nearest datum is searched for the points in the other bins only.
 
     >>> data = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
-    >>> is_stray(np.array([[0.1, 0.0], [1.5, 0.0], [9.0, 0.0]]), data).tolist()
+    >>> is_beyond_support(np.array([[0.1, 0.0], [1.5, 0.0], [9.0, 0.0]]), data).tolist()
     [False, False, True]
     """
-    if not len(x):
-        return np.zeros(0, dtype=np.bool_)
-    tree, d = cKDTree(data), data.shape[1]
-    spacings = nearest(tree, data[:: 1 + len(data) // SPACING_SAMPLE], 2)[0][:, 1:]
-    radius = _support_radius(spacings, d, Frame.of(data).scale)
+    radius = support_radius(data, Frame.of(data).scale)
+    if len(x) <= FEW_POINTS:
+        return np.isinf(nearest(cKDTree(data), x, within=radius)[0])
     both = [np.concatenate(columns) for columns in zip(x.T, data.T, strict=True)]  # numpy is slow along rows of three
     lower, upper = np.array([c.min() for c in both]), np.array([c.max() for c in both])
     side = max(float((upper - lower).max()) / BINS, LEAST_BIN * float(np.abs([lower, upper]).max()))
@@ -103,39 +89,11 @@ def is_stray(x: FloatArray, data: FloatArray) -> BoolArray:
     holds.ravel()[_bins(data, lower, side, counts)] = True
     around = ndimage.maximum_filter(holds, 2 * int(np.ceil(radius / side)) + 1)
     bins = _bins(x, lower, side, counts)
-    near = holds.ravel()[bins] & (2.0 * BIN_HALF * side * np.sqrt(d) < radius)
+    near = holds.ravel()[bins] & (side * np.sqrt(x.shape[1]) < BIN_SLACK * radius)
     doubtful = np.flatnonzero(around.ravel()[bins] & ~near)
     far = ~near
-    far[doubtful] = np.isinf(nearest(tree, x[doubtful], within=radius)[0])
+    far[doubtful] = np.isinf(nearest(cKDTree(data), x[doubtful], within=radius, threads=threads)[0])
     return np.asarray(far)
-
-
-def distances_exceeded(tree: cKDTree, x: FloatArray, radii: tuple[float, ...], threads: int | None = None) -> IntArray:
-    """Return for points x (n, d) how many of the ascending radii are less than the distance to the tree's points, (n,).
-
-    If x are many, the nearest point is searched for the middles of cubic bins, and for a point of x itself only if the
-    distances in its bin may be on both sides of a radius.
-
-    >>> distances_exceeded(cKDTree([[0.0, 0.0]]), np.array([[0.5, 0.0], [1.5, 0.0], [2.5, 0.0]]), (1.0, 2.0)).tolist()
-    [0, 1, 2]
-    """
-    if len(x) <= SERIAL_QUERIES:
-        return np.searchsorted(radii, nearest(tree, x, within=2.0 * radii[-1], threads=threads)[0])
-    lower, upper = x.min(axis=0), x.max(axis=0)
-    side = max(float((upper - lower).max()) / BINS, LEAST_BIN * float(np.abs(x).max())) or 1.0
-    counts = tuple(((upper - lower) // side).astype(np.intp) + 1)
-    bins = by_rows(lambda part: _bins(x[part], lower, side, counts), len(x), threads)
-    used = np.flatnonzero(np.bincount(bins))
-    middles = lower + side * (np.stack(np.unravel_index(used, counts), axis=1) + 0.5)
-    extent = BIN_HALF * side * np.sqrt(len(lower))
-    distance = nearest(tree, middles, within=radii[-1] + 2.0 * extent, threads=threads)[0]
-    least, most = (np.searchsorted(radii, distance + shift) for shift in (-extent, extent))
-    table = np.full(int(np.prod(counts)), -1)
-    table[used] = np.where(least == most, least, -1)
-    found = table[bins]
-    cut = np.flatnonzero(found < 0)
-    found[cut] = np.searchsorted(radii, nearest(tree, x[cut], within=2.0 * radii[-1], threads=threads)[0])
-    return found
 
 
 def _bins(x: FloatArray, lower: FloatArray, side: float, counts: tuple[int, ...]) -> IntArray:
@@ -144,17 +102,16 @@ def _bins(x: FloatArray, lower: FloatArray, side: float, counts: tuple[int, ...]
     return np.asarray(np.ravel_multi_index(tuple(at.T), counts, mode="clip"))
 
 
-def _spacings(tree: cKDTree, threads: int | None) -> FloatArray:
-    """Return the distances (N, k) from each point of a tree to its nearest others, up to the GAP_NEIGHBOUR-th."""
-    k = min(GAP_NEIGHBOUR, tree.n - 1)
-    return nearest(tree, tree.data, k + 1, threads=threads)[0][:, 1:]
+def _spacings(data: FloatArray, neighbour: int) -> FloatArray:
+    """Return the distances (n,) from some of the data (N, d) to their nearest other, the 2nd nearest, and so on.
 
-
-def _support_radius(spacings: FloatArray, d: int, scale: float) -> float:
-    """Return the support radius; the spacing is the median distance to the nearest other point, `spacings[:, 0]`."""
-    return support_radius_of(d, scale, float(np.median(spacings[:, 0])))
-
-
-def _gap_radius(spacings: FloatArray) -> float:
-    """Return the gap radius from the distances (N, ≤ GAP_NEIGHBOUR) to the nearest other points."""
-    return GAP_FACTOR * float(np.quantile(spacings[:, -1], GAP_QUANTILE))
+    If there are not so many others, it is the distance to the farthest. Repeated points count once, for between them
+    there is no distance.
+    """
+    some = data[:: 1 + len(data) // SPACING_SAMPLE]
+    k = min(neighbour, len(data) - 1)
+    spacings = nearest(cKDTree(data), some, k + 1)[0]
+    if spacings[:, 1].all():
+        return spacings[:, k]
+    distinct = np.unique(data, axis=0)
+    return _spacings(distinct, neighbour) if len(distinct) > 1 else spacings[:, k]

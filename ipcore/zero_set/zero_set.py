@@ -4,22 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcore._threads import by_rows
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
 from ipcore.polynomial.implicit import ImplicitPolynomial
-from ipcore.zero_set.extraction import extract, extract_pruned
-from ipcore.zero_set.grid import grid_lines
-from ipcore.zero_set.mesh import SEGMENT, Mesh, cell_middles, cell_vectors, chains, labels
+from ipcore.zero_set.components import count_components
+from ipcore.zero_set.mesh import SEGMENT, Mesh, cell_vectors, chains, labels
 from ipcore.zero_set.newton import polish, unit_normals
-from ipcore.zero_set.support import radii_exceeded
-
-DENSE_NODES = 1 << 21  # up to so many nodes, to evaluate all of them takes no longer than to find those that matter
+from ipcore.zero_set.refinement import extracted
+from ipcore.zero_set.stray import stray_cells, stray_share
 
 
 @dataclass(frozen=True, eq=False)
 class ZeroSet:
-    """Segments (2D) or triangles (3D) on f = 0, and two figures of the whole zero set in the box.
+    """Segments (2D) or triangles (3D) on f = 0, and what is known of the whole zero set in the box.
 
     Attributes
     ----------
@@ -31,10 +28,18 @@ class ZeroSet:
     normals
         (V, d), ∇f/‖∇f‖ at the vertices; within a cap the outward normal of the wall; zero where ∇f vanishes.
     components
-        The number of connected components of the whole zero set in the box, before any restriction and without caps.
+        The number of connected components of the whole zero set in the box, before any restriction and without caps;
+        one that is thinner than the grid's cells in places counts once, though its cells may be in pieces.
     stray
-        The share of the whole zero set's length or area that is beyond the support radius of the data (see `support`);
-        1 if there is no zero set at all, None if no data were given.
+        The share of the whole zero set's length or area that lies away from the data (see the rule in `stray`); None
+        if no data were given or there is no zero set.
+    resolution
+        The grid points along the longest axis, asked for or chosen.
+    thin
+        The share of the zero set (near the data, if it is restricted to them) where the inside or the outside is
+        thinner than four cells of the grid; 1 if only a finer grid finds any; None if there is no zero set.
+    warning
+        A sentence that says that the grid is too coarse; None if it is fine enough.
 
     """
 
@@ -43,6 +48,9 @@ class ZeroSet:
     normals: FloatArray
     components: int
     stray: float | None
+    resolution: int
+    thin: float | None
+    warning: str | None
 
     @property
     def dimension(self) -> int:
@@ -74,18 +82,18 @@ class ZeroSet:
 
         Cells are connected if they share a vertex. A vertex of no cell is a component of its own.
 
-        >>> two = ZeroSet(np.zeros((5, 2)), np.array([[0, 1], [1, 2], [3, 4]]), np.zeros((5, 2)), 2, None)
+        >>> two = ZeroSet(np.zeros((5, 2)), np.array([[0, 1], [1, 2], [3, 4]]), np.zeros((5, 2)), 2, None, 9, 0.0, None)
         >>> two.vertex_components().tolist()
         [0, 0, 0, 1, 1]
         """
         return labels(self.cells, len(self.vertices))
 
     def cells_near(self, data: FloatArray) -> BoolArray:
-        """Return which cells have their middle within the support or the gap radius of the data (N, d), raw: (C,).
+        """Return which cells are not stray, (C,), given the data (N, d), raw; the cells must be no caps.
 
         These are the cells that a zero set restricted to the data keeps, but for caps.
         """
-        return radii_exceeded(cell_middles(self.vertices, self.cells), data) <= 1
+        return ~stray_cells(self.vertices, self.cells, data)
 
 
 def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kept of the zero set
@@ -108,11 +116,12 @@ def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kep
         (2, d), lower and upper corner of the box, raw; default: the polynomial's own bounds.
     resolution
         Grid points along the longest axis, at least 4; the other axes get as many as make the grid cells near-cubic.
-        Default 256 in 2D, 96 in 3D.
+        By default 256 in 2D and 96 in 3D, doubled until at most 15 % of the zero set is thinner than four grid cells
+        (up to 8192 in 2D and 1536 in 3D, and not if there would be more than 600,000 cells).
     data
         (N, d), raw points, at least 2, against which `stray` is measured.
     restrict
-        Keep only the cells whose middle is within the support radius or the gap radius of the data, if these are given.
+        Leave out the stray cells (see the rule in `stray`), if data are given.
     cap
         Close the inside along the walls of the box where f = 0 leaves it. When restricting, a cap stays only if the
         zero set stays along its whole rim.
@@ -142,58 +151,43 @@ def zero_set(  # noqa: PLR0913 - two are the box and its grid, three what is kep
     12.566
 
     """
-    axes = grid_lines(polynomial, bounds, resolution)
-    box = np.array([line[[0, -1]] for line in axes]).T
-    spacing = max(line[1] - line[0] for line in axes)
-    mesh = polish(_extracted(polynomial, axes, threads), polynomial, box, spacing, threads)
+    given = None if data is None else _checked(data, polynomial.dimension)
+    found = extracted(polynomial, bounds, resolution, given if restrict else None, threads)
+    mesh = polish(found.mesh, polynomial, found.box, found.spacing, threads)
     surface = ~mesh.cap
-    given = None if data is None else np.asarray(data, dtype=np.float64)
-    stray, dropped = (None, None) if given is None else _unsupported(mesh, surface, given, threads)
+    stray, dropped = (None, None) if given is None else _stray(mesh, surface, given, threads)
     kept = _kept(mesh, dropped if restrict else None, cap=cap)
     part = mesh if kept.all() else mesh.keep(kept)
     return ZeroSet(
         part.vertices,
         part.cells,
-        unit_normals(part, polynomial, box, threads),
-        _components(mesh.cells[surface], len(mesh.vertices)),
+        unit_normals(part, polynomial, found.box, threads),
+        count_components(polynomial, mesh.vertices, mesh.cells[surface], found.spacing, found.box),
         stray,
+        found.resolution,
+        found.thin,
+        found.warning(asked=resolution is not None),
     )
 
 
-def _extracted(polynomial: ImplicitPolynomial, axes: list[FloatArray], threads: int | None) -> Mesh:
-    """Return the cells of f = 0 on the grid with lines `axes`, (N_axis,) each, by the faster of the two methods."""
-    if np.prod([len(line) for line in axes]) > DENSE_NODES:
-        return extract_pruned(polynomial, axes, threads)
-    with np.errstate(over="ignore", invalid="ignore"):
-        values = polynomial.on_grid(axes)
-    if not np.isfinite(values).all():
-        raise InvalidOptionsError("the polynomial overflows in this box; take smaller bounds", ("bounds",))
-    return extract(values, axes)
+def _checked(data: FloatArray, d: int) -> FloatArray:
+    """Return data as doubles (N, d), or raise."""
+    given = np.asarray(data, dtype=np.float64)
+    if given.shape[1:] != (d,) or len(given) <= 1 or not np.isfinite(given).all():
+        raise InvalidPointsError(f"data must be at least 2 finite points, shape (N, {d})", ("data",))
+    return given
 
 
-def _unsupported(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None) -> tuple[float, BoolArray]:
-    """Return the stray share, and which cells a restricted zero set leaves out, (C,).
+def _stray(mesh: Mesh, surface: BoolArray, data: FloatArray, threads: int | None) -> tuple[float | None, BoolArray]:
+    """Return the stray share, and which cells are stray, (C,).
 
     `surface` (C,) marks the cells that are no caps; `data` (N, d) are raw.
     """
-    d = mesh.vertices.shape[1]
-    if data.shape[1:] != (d,) or len(data) <= 1 or not np.isfinite(data).all():
-        raise InvalidPointsError(f"data must be at least 2 finite points, shape (N, {d})", ("data",))
-    middle = by_rows(lambda part: cell_middles(mesh.vertices, mesh.cells[part]), len(mesh.cells), threads)
-    exceeded = radii_exceeded(middle, data, threads)
-    return _share(mesh, surface, exceeded > 0), exceeded > 1
-
-
-def _share(mesh: Mesh, surface: BoolArray, far: BoolArray) -> float:
-    """Return the share of the surface cells' length or area that is `far`; both mark cells, (C,). 1 without surface."""
-    size = np.linalg.norm(cell_vectors(mesh.vertices, mesh.cells), axis=1)
-    whole = float(size[surface].sum())
-    return float(size[surface & far].sum()) / whole if whole > 0.0 else 1.0
-
-
-def _components(cells: IntArray, vertices: int) -> int:
-    """Return the number of connected components of cells (C, d), given V, `vertices`."""
-    return len(np.unique(labels(cells, vertices)[cells]))
+    cells = mesh.cells[surface]
+    stray = stray_cells(mesh.vertices, cells, data, threads)
+    dropped = np.zeros(len(surface), dtype=bool)
+    dropped[surface] = stray
+    return stray_share(mesh.vertices, cells, stray), dropped
 
 
 def _kept(mesh: Mesh, dropped: BoolArray | None, *, cap: bool) -> BoolArray:

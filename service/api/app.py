@@ -8,6 +8,7 @@ from fastapi import FastAPI
 
 from service.api import docs, problems
 from service.api.dependencies import Context
+from service.api.head import HeadAsGet
 from service.api.openapi import DocumentedApp
 from service.api.routes import ROUTERS
 
@@ -43,6 +44,7 @@ def create_app(startup: Startup) -> FastAPI:
         lifespan=lifespan,
         generate_unique_id_function=lambda route: route.name,
     )
+    app.add_middleware(HeadAsGet)
     problems.install(app)
     for router in ROUTERS:
         app.include_router(router)

@@ -4,11 +4,20 @@ from typing import Any
 
 from service.api.openapi import problem, reference
 from service.api.parameters import LONGEST_KEY
+from service.api.representation import ZERO_SET_WARNING
 from service.jobs.media_types import JSON, POINT_SET_FORMATS, ZERO_SET_FORMATS
 
 BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 # The content of a response with the file of a zero set.
 ZERO_SET_FILES: dict[str, Any] = {name: BINARY for known in ZERO_SET_FORMATS for name in known.media_types}
+# The headers of a response with the file of a zero set.
+ZERO_SET_HEADERS: dict[str, Any] = {
+    ZERO_SET_WARNING: {
+        "description": "Only with a zero set as a file, and only if the grid was too coarse for it: a sentence that "
+        "says how much of the zero set is thinner than four cells of the grid, and what helps.",
+        "schema": {"type": "string"},
+    }
+}
 
 PREFER = {
     "name": "Prefer",

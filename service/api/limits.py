@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import ipcore
 from service.jobs.errors import InvalidInputError, TooLargeError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.requested_options import RequestedOptions
 
 
@@ -48,7 +48,7 @@ class Limits:
             )
         return requested if requested.complete.degree_cap(dimension) <= highest else requested.with_max_degree(highest)
 
-    def check_system(self, points: PointSet, plan: ipcore.Plan) -> None:
+    def check_system(self, points: ReceivedPoints, plan: ipcore.Plan) -> None:
         """Refuse a fit that would hold too large a linear system.
 
         Raises

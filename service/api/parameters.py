@@ -12,6 +12,7 @@ from service.jobs.media_types import POINT_SET_FORMATS, ZERO_SET_FORMATS, Missin
 from service.options import FitOptions
 
 LONGEST_KEY = 200  # characters of an Idempotency-Key
+LARGEST_BOUND = 1e150  # as for points: the square of a larger one is not finite
 
 
 # The parameters of FitQuery that say how to read the body; the others are options of the fit.
@@ -46,7 +47,14 @@ ZeroSetFormatName = Annotated[
     Annotated[str, OneOf(known.name for known in ZERO_SET_FORMATS)] | None,
     Query(description=f"The file kind; wins over Accept. 3D: {_names(3)}. 2D: {_names(2)}."),
 ]
-Resolution = Annotated[int | None, Query(ge=4, description="Grid points along the longest axis.")]
+Resolution = Annotated[
+    int | None,
+    Query(
+        ge=4,
+        description="Grid points along the longest axis. Default: 256 (2D) or 96 (3D), and more where the zero set is "
+        "thin. If one is asked for that is too coarse, the response has the header `Zero-Set-Warning`.",
+    ),
+]
 Bounds = Annotated[
     str | None,
     Query(
@@ -68,7 +76,7 @@ def corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[float
     Raises
     ------
     InvalidInputError
-        If it is not 2d finite numbers, or a lower one is not below its upper one.
+        If it is not 2d finite numbers, a lower one is not below its upper one, or one is too large to compute with.
 
     >>> corners("-1,-2,3,4", 2)
     ((-1.0, -2.0), (3.0, 4.0))
@@ -84,6 +92,8 @@ def corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[float
             f"bounds must be {2 * dimension} finite numbers with commas between, every lower one below its upper one",
             ("bounds",),
         )
+    if max(map(abs, numbers)) > LARGEST_BOUND:
+        raise InvalidInputError(f"bounds may be as large as {LARGEST_BOUND:g}", ("bounds",))
     return lower, upper
 
 

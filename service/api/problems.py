@@ -161,7 +161,8 @@ def _allowed(request: Request) -> set[str]:
     """Return all methods of the path; the framework names only those of the first route that matches."""
     # The original scope: routers have changed that of the request before the error.
     scope = {**request.scope, "root_path": request.scope.get("app_root_path", "")}
-    return {method for method in METHODS if _answers(request.app.routes, scope | {"method": method})}
+    allowed = {method for method in METHODS if _answers(request.app.routes, scope | {"method": method})}
+    return allowed | {"HEAD"} if "GET" in allowed else allowed  # see `service.api.head`
 
 
 def _answers(routes: list[BaseRoute], scope: dict[str, Any]) -> bool:

@@ -9,6 +9,10 @@ from fastapi import Request, Response
 
 from service.jobs.fit import Fit
 from service.jobs.media_types import ZeroSetFormat
+from service.jobs.warning_codes import with_codes
+from service.jobs.zero_set_file import ZeroSetFile
+
+ZERO_SET_WARNING = "Zero-Set-Warning"  # the header that says that the grid of a zero set was too coarse
 
 
 def fit_response(
@@ -31,11 +35,13 @@ def fit_response(
 
 
 def zero_set_response(
-    fit_id: str, sent: ZeroSetFormat, content: bytes, headers: dict[str, str] | None = None
+    fit_id: str, sent: ZeroSetFormat, file: ZeroSetFile, headers: dict[str, str] | None = None
 ) -> Response:
-    """Return the file of a zero set as a response."""
+    """Return the file of a zero set as a response; its warning stands in a header."""
     named = {"Content-Disposition": f'inline; filename="{fit_id}.{sent.name}"', "Vary": "Accept", **(headers or {})}
-    return Response(content, headers=named, media_type=sent.media_types[0])
+    if file.warning is not None:
+        named[ZERO_SET_WARNING] = file.warning
+    return Response(file.content, headers=named, media_type=sent.media_types[0])
 
 
 def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
@@ -62,5 +68,6 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
             "detail": fit.failure.detail,
         }
     if fit.result is not None:
-        members |= orjson.loads(fit.result)
+        result = orjson.loads(fit.result)
+        members |= result | {"warnings": with_codes(result["warnings"])}
     return members

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from service.api.problems import Problem
+from service.choices import OneOf
+from service.jobs.warning_codes import WARNING_CODES
 from service.options import FitOptions
 
 Row = Annotated[list[float], Field(min_length=2, max_length=6)]
@@ -116,9 +118,11 @@ class Diagnostics(BaseModel):
     distance_max: float = Field(description="Maximum of |f|/‖∇f‖ at the points.")
     stray: float | None = Field(
         description="Share of the zero set's length or area, within the bounds, that lies away from all points; null "
-        "if not measured."
+        "if there is no zero set, or it was not measured."
     )
-    components: int | None = Field(description="Connected components of the zero set within the bounds.")
+    components: int | None = Field(
+        description="Connected components of the zero set within the bounds; 0 if there is none, null if not measured."
+    )
     normal_source: Literal["given", "outline", "estimated"] = Field(description="Where the normals came from.")
     normal_self_check: float = Field(
         description="Share of points whose normal agrees with the inside that all normals describe, 0 … 1."
@@ -137,6 +141,21 @@ class Diagnostics(BaseModel):
         description="Share of the bounds, away from the points, where they do not tell inside from outside."
     )
     outliers: float | None = Field(description="Share of the points that a robust fit left out; null without it.")
+    merged: int = Field(0, description="How many points were copies of others; each place is fitted once.")
+    coverage: float | None = Field(
+        None,
+        description="Share of the points with a zero of f within 3 t1, shown by a change of its sign; null in results "
+        "of versions that did not measure it.",
+    )
+
+
+class FitWarning(BaseModel):
+    """What a careful user should know of a result."""
+
+    code: Annotated[str, OneOf(WARNING_CODES)] = Field(
+        description="What it is about; docs/warnings.md lists causes and remedies."
+    )
+    message: str = Field(description="What was found, what most likely caused it, and what to do about it.")
 
 
 class Engine(BaseModel):
@@ -175,7 +194,7 @@ class FitResource(BaseModel):
     ) = Field(None, description="Why no higher degree was tried.")
     steps: list[Step] | None = Field(None, description="Every degree, or column, that was tried.")
     diagnostics: Diagnostics | None = Field(None, description="How good the answer is.")
-    warnings: list[str] | None = Field(None, description="What a careful user should know.")
+    warnings: list[FitWarning] | None = Field(None, description="What a careful user should know.")
     engine: Engine | None = Field(None, description="What made the answer.")
 
 

@@ -22,7 +22,7 @@ from service.queue.procrastinate_worker import ProcrastinateWorker
 from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
-from service.store.migrations import Part
+from service.store.migrations import MigrationStep
 from service.store.schema import TIMEOUTS, postgres_engine
 
 logger = logging.getLogger(__name__)
@@ -87,7 +87,7 @@ def _stores(settings: Settings, engine: Engine) -> tuple[SqlFits, Blobs]:
 @asynccontextmanager
 async def _engine(settings: Settings) -> AsyncIterator[Engine]:
     """Yield an engine on the database."""
-    queue = Part("procrastinate", "procrastinate_jobs", procrastinate_jobs.make, procrastinate_jobs.steps())
+    queue = MigrationStep("procrastinate", "procrastinate_jobs", procrastinate_jobs.make, procrastinate_jobs.steps())
     engine = postgres_engine(str(settings.database_url), queue)
     try:
         yield engine

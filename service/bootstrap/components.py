@@ -19,7 +19,7 @@ from service.jobs.use_cases import FitService
 from service.queue.runner import Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
-from service.workers.planner import FitPlanner
+from service.workers.planner_adapter import FitPlanner
 from service.workers.pool import WorkerPool
 
 

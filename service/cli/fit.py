@@ -13,10 +13,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 import ipcore
 from service.cli.options import with_fit_options
 from service.formats.picture import page
-from service.formats.points import decode, files
+from service.formats.points import by_ending, decode
 from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing, zero_set_formats
 
 MAX_POINTS = 10_000_000
@@ -30,14 +30,17 @@ def _endings(dimension: int) -> str:
 @with_fit_options
 def fit(  # noqa: PLR0913, PLR0917 - one option each
     file: Annotated[
-        Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(files.ENDINGS)}.")
+        Path, typer.Argument(exists=True, dir_okay=False, help=f"Points, as one of {', '.join(by_ending.ENDINGS)}.")
     ],
     mesh: Annotated[
         Path | None, typer.Option(help=f"Write the zero set here: {_endings(3)} in 3D, {_endings(2)} in 2D.")
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Write a picture of the fit and its trace here, as SVG.")] = None,
     output: Annotated[Path | None, typer.Option(help="Write the whole result here, as JSON.")] = None,
-    resolution: Annotated[int | None, typer.Option(help="Grid points along the longest axis, for --mesh.")] = None,
+    resolution: Annotated[
+        int | None,
+        typer.Option(help="Grid points along the longest axis, for --mesh; by default chosen by the thickness."),
+    ] = None,
     columns: Annotated[
         str | None, typer.Option(help="What the columns of a table hold, in order: x,y,z,nx,ny,nz; _ ignores one.")
     ] = None,
@@ -49,7 +52,7 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
 ) -> None:
     """Fit the points of FILE and say what came out."""
     try:
-        given = files.read_file(file, MAX_POINTS, columns=columns, missing=missing)
+        given = by_ending.read_file(file, MAX_POINTS, columns=columns, missing=missing)
         targets = {"mesh": mesh, "plot": plot, "output": output}
         _run(file, given, options, targets, resolution)
     except (InvalidInputError, ipcore.IPCoreError, OSError) as error:
@@ -58,7 +61,11 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
 
 
 def _run(
-    file: Path, given: PointSet, options: ipcore.FitOptions, targets: dict[str, Path | None], resolution: int | None
+    file: Path,
+    given: ReceivedPoints,
+    options: ipcore.FitOptions,
+    targets: dict[str, Path | None],
+    resolution: int | None,
 ) -> None:
     writer = _mesh_writer(targets["mesh"], given.dimension)  # a wrong ending is reported before the work
     points, normals = decode.split(given.content, given.dimension)
@@ -69,6 +76,8 @@ def _run(
     if targets["mesh"] is not None and writer is not None:
         zero_set = ipcore.zero_set(result.polynomial, resolution=resolution, data=points)
         _write(targets["mesh"], writer(zero_set))
+        if zero_set.warning is not None:
+            typer.echo(f"warning: {zero_set.warning}")
     if targets["plot"] is not None:
         _write(targets["plot"], page.plot(result, points))
     if targets["output"] is not None:
@@ -106,17 +115,17 @@ def _bar(last: int) -> Iterator[Callable[[ipcore.Step], None]]:
         yield show
 
 
-def _summarise(file: Path, given: PointSet, result: ipcore.FitResult) -> None:
+def _summarise(file: Path, given: ReceivedPoints, result: ipcore.FitResult) -> None:
     found = result.diagnostics
     typer.echo(f"{file.name}: {given.points} points in {given.dimension}D, normals {found.normal_source}")
     typer.echo(
         f"degree {result.degree}, {len(result.polynomial.coefficients)} coefficients, stopped: {result.stop_reason}"
     )
     typer.echo(f"D_dist {found.d_dist:.4f} mean radii, D_smooth {found.d_smooth:.4f}")
-    if found.stray is not None:
+    if found.components == 0:
+        typer.echo("zero set: there is none within the bounds")
+    elif found.stray is not None:
         typer.echo(f"zero set: {found.components} components, {found.stray:.2%} of it away from the data")
-    if given.left_out:
-        typer.echo(f"warning: {given.left_out} points with a missing value were left out")
     for warning in result.warnings:
         typer.echo(f"warning: {warning}")
 

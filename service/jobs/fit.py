@@ -75,8 +75,8 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class PointSet:
-    """A point set that was read and checked, but is not stored yet.
+class ReceivedPoints:
+    """A point set that came with a request: it is read and checked, but not stored yet.
 
     Attributes
     ----------

@@ -7,11 +7,13 @@ from uuid import uuid4
 import orjson
 
 import ipcore
-from service.jobs.fit import Fit, FitStatus, PointSet, PointSetRef
+from service.jobs.fit import Fit, FitStatus, PointSetRef, ReceivedPoints
 from service.jobs.requested_options import RequestedOptions
 
 
-def new_fit(points: PointSet, requested: RequestedOptions, plan: ipcore.Plan, client: str, key: str | None) -> Fit:
+def new_fit(
+    points: ReceivedPoints, requested: RequestedOptions, plan: ipcore.Plan, client: str, key: str | None
+) -> Fit:
     """Return a new, accepted fit. Its payload is the same for the same points, dimension and given options."""
     payload = orjson.dumps([points.key, points.dimension, requested.given], option=orjson.OPT_SORT_KEYS)
     return Fit(

@@ -21,17 +21,21 @@ class PointSetSummary:
         Its normalised frame.
     sha256
         The digest of its points and normals that the fit's result reports.
+    incomplete
+        How many more points the caller sent, which were left out because a value of theirs was missing.
 
     """
 
     planar: bool
     frame: Frame
     sha256: str
+    incomplete: int = 0
 
     @classmethod
-    def of(cls, given: ipcore.PointSet) -> Self:
-        """Return the summary of a checked point set."""
-        return cls(given.planar, Frame(tuple(given.frame.centre.tolist()), given.frame.scale), given.sha256)
+    def of(cls, given: ipcore.PointSet, incomplete: int = 0) -> Self:
+        """Return the summary of a checked point set, beside which so many points were left out."""
+        frame = Frame(tuple(given.frame.centre.tolist()), given.frame.scale)
+        return cls(given.planar, frame, given.sha256, incomplete)
 
     def restored(self, points: ipcore.FloatArray, normals: ipcore.FloatArray | None) -> ipcore.PointSet:
         """Return the checked point set again, from its points and its unit normals or None, (N, d) each."""
@@ -42,4 +46,5 @@ class PointSetSummary:
             self.planar,
             frame,
             self.sha256,
+            self.incomplete,
         )

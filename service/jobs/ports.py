@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import ipcore
-from service.jobs.fit import Failure, Fit, FitStatus, PointSet
+from service.jobs.fit import Failure, Fit, FitStatus, ReceivedPoints
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
+from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
 
@@ -156,7 +157,7 @@ class Reader(Protocol):
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
-    ) -> PointSet:
+    ) -> ReceivedPoints:
         """Read a body, or the file that holds it, in the format `kind`, and check it.
 
         `columns` says what each column of a table holds; `missing`, whether a point with a missing value is refused or
@@ -173,7 +174,7 @@ class Reader(Protocol):
 class Planner(Protocol):
     """Predicts the time and memory of fits."""
 
-    def plan(self, points: PointSet, options: ipcore.FitOptions) -> ipcore.Plan:
+    def plan(self, points: ReceivedPoints, options: ipcore.FitOptions) -> ipcore.Plan:
         """Return what a fit of these points with these options will take.
 
         Raises
@@ -187,5 +188,5 @@ class Planner(Protocol):
 class MeshExporter(Protocol):
     """Makes files of zero sets."""
 
-    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> ZeroSetFile:
         """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""

@@ -1,6 +1,7 @@
 """The use cases: read a point set, accept a fit, look it up, wait for it, export its zero set, dismiss it."""
 
 import asyncio
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -15,15 +16,17 @@ from service.jobs.errors import (
     NotReadyError,
     ShuttingDownError,
 )
-from service.jobs.fit import Fit, PointSet
+from service.jobs.fit import Fit, ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.new_fit import new_fit
 from service.jobs.parts import split
 from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
 from service.jobs.requested_options import RequestedOptions
+from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
+FIT_ID = re.compile("[0-9a-f]{32}")
 
 
 class FitService:
@@ -46,11 +49,11 @@ class FitService:
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
-    ) -> PointSet:
+    ) -> ReceivedPoints:
         """Read and check the body of a request, in the format `kind`; nothing is accepted yet."""
         return await self._reader.read(body, kind, columns=columns, missing=missing)
 
-    def plan(self, points: PointSet, requested: RequestedOptions) -> ipcore.Plan:
+    def plan(self, points: ReceivedPoints, requested: RequestedOptions) -> ipcore.Plan:
         """Return what a fit will take; nothing is accepted yet.
 
         Raises
@@ -63,7 +66,7 @@ class FitService:
 
     async def accept(
         self,
-        points: PointSet,
+        points: ReceivedPoints,
         requested: RequestedOptions,
         plan: ipcore.Plan,
         client: str = "",
@@ -130,7 +133,7 @@ class FitService:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> bytes:
+    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> ZeroSetFile:
         """Return the file of the zero set of a successful fit.
 
         Raises
@@ -152,7 +155,7 @@ class FitService:
         return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
 
     async def check(self) -> None:
-        """Return if fits can be looked up and new ones are accepted; else raise.
+        """Check that the server is ready: fits can be looked up, and new ones are accepted.
 
         Raises
         ------
@@ -185,7 +188,8 @@ class FitService:
             raise ShuttingDownError("the server is stopping; try again when it is back")
 
     async def _get(self, fit_id: str) -> Fit:
-        fit = await _call_store(self._store.get, fit_id)
+        # no database is asked for what no fit can be called: PostgreSQL does not take a text with a zero byte
+        fit = await _call_store(self._store.get, fit_id) if FIT_ID.fullmatch(fit_id) else None
         if fit is None or fit.whole is not None:  # parts are internal
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit

@@ -167,9 +167,9 @@ class SqlFits:
             return transitions.requeue_abandoned(connection, self._queue)
 
     def requeue_lost(self, seconds: float) -> int:
-        """Queue live fits again that no process has held for so long and that have no job; return how many.
+        """Give a new job to each live fit that has none and that no process has held for `seconds`; return how many.
 
-        There are none, unless a connection was cut while the end of a job was being stored.
+        A fit loses its job only if a connection is cut while the end of the job is being stored.
         """
         if self._queue is None:
             return 0

@@ -95,7 +95,8 @@ def _slice(stored: dict[str, Any]) -> Slice:
 
 
 def _summary(stored: dict[str, Any]) -> PointSetSummary:
-    return PointSetSummary(stored["planar"], _frame(stored["frame"]), stored["sha256"])
+    incomplete = stored.get("incomplete", 0)  # older versions did not store it
+    return PointSetSummary(stored["planar"], _frame(stored["frame"]), stored["sha256"], incomplete)
 
 
 def _frame(stored: dict[str, Any]) -> Frame:

@@ -22,7 +22,7 @@ class DatabaseVersionError(Exception):
 
 
 @dataclass(frozen=True)
-class Part:
+class MigrationStep:
     """A group of tables with one version.
 
     Attributes
@@ -47,7 +47,7 @@ class Part:
     columns: frozenset[str] = frozenset()
 
 
-def prepare(engine: Engine, parts: Iterable[Part]) -> None:
+def prepare(engine: Engine, parts: Iterable[MigrationStep]) -> None:
     """Create the tables that do not exist, and migrate older ones, in one transaction.
 
     Raises
@@ -68,7 +68,7 @@ def prepare(engine: Engine, parts: Iterable[Part]) -> None:
             _migrate(connection, part)
 
 
-def _migrate(connection: Connection, part: Part) -> None:
+def _migrate(connection: Connection, part: MigrationStep) -> None:
     """Create or migrate one group of tables."""
     query = select(_versions.c.version).where(_versions.c.part == part.name)
     stored, newest = connection.execute(query).scalar(), list(part.steps)[-1]
@@ -86,7 +86,7 @@ def _migrate(connection: Connection, part: Part) -> None:
         raise DatabaseVersionError(f"the table {part.table} has no {', '.join(missing)}: an unreleased ipfit made it")
 
 
-def _steps_after(version: str, part: Part) -> list[str]:
+def _steps_after(version: str, part: MigrationStep) -> list[str]:
     """Return the names of the migrations that come after a version."""
     names = list(part.steps)
     if version not in names:

@@ -24,7 +24,7 @@ from sqlalchemy.pool import NullPool
 from sqlalchemy.types import TypeDecorator
 
 from service.jobs.fit import FitStatus
-from service.store.migrations import Part, prepare
+from service.store.migrations import MigrationStep, prepare
 
 # A PostgreSQL that does not answer must not delay a request for minutes: seconds to connect, milliseconds until
 # unanswered packets end a connection, and milliseconds for a statement.
@@ -110,7 +110,7 @@ fits = Table(
 )
 # Whoever changes the table above adds a migration here that changes an older table in the same way, named after the
 # release. Each is one statement: SQLite takes no more at once.
-FITS = Part(
+FITS = MigrationStep(
     name="fits",
     table="fits",
     make=metadata.create_all,
@@ -142,7 +142,7 @@ def sqlite_engine(path: Path) -> Engine:
     return engine
 
 
-def postgres_engine(url: str, *queue: Part) -> Engine:
+def postgres_engine(url: str, *queue: MigrationStep) -> Engine:
     """Return an engine on a PostgreSQL database, which need not answer yet.
 
     Before the first connection is used, the tables of fits and of the queue are created or migrated.

@@ -60,7 +60,7 @@ def requeue_abandoned(connection: Connection, queue: JobQueue | None, *where: Co
 
 
 def requeue_lost(connection: Connection, queue: JobQueue, seconds: float) -> int:
-    """Queue live fits again that no process has held for so long and that have no job; return how many."""
+    """Give a new job to each live fit that has none and that no process has held for `seconds`; return how many."""
     now = clock(connection)
     live = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
     idle = (fits.c.touched < now - timedelta(seconds=seconds)) & func.coalesce(fits.c.lease < now, True)
@@ -102,7 +102,10 @@ def transition(  # noqa: PLR0913, PLR0917 - where, which, to what, and the other
 
 
 def lock_whole(connection: Connection, fit_id: str) -> None:
-    """Lock the fit that this is a part of, if it is one. Whoever changes both locks it first, so that none deadlock."""
+    """If a fit is a part of another one, lock that other one until the transaction ends.
+
+    Every transaction that changes both locks the whole before the part, so that two of them never wait for each other.
+    """
     whole = select(fits.c.whole).where(fits.c.id == fit_id).scalar_subquery()
     connection.execute(select(fits.c.id).where(fits.c.id == whole).with_for_update())
 

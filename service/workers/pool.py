@@ -14,7 +14,7 @@ from uuid import uuid4
 from pebble import ProcessExpired, ProcessPool
 
 from service.jobs.errors import DeadlineExceededError, OutOfMemoryError, WorkerCrashedError
-from service.workers import process, progress
+from service.workers import progress, worker_side
 from service.workers.kill import kill
 from service.workers.seat import in_loop, outcome, scheduled
 
@@ -25,6 +25,7 @@ logger = logging.getLogger(__name__)
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # Modules that the fork server loads once, so that a new worker is ready in milliseconds.
 PRELOAD = ["service.workers.tasks", "service.formats.zero_set.exporter", "service.formats.points.reader"]
+START_TRIES = 3  # of a worker: the system may kill one when memory is short
 # Seconds between two looks whether a killed process is dead; most are after a few milliseconds.
 DEATH_CHECK_SECONDS = 0.005
 
@@ -65,8 +66,22 @@ class WorkerPool:
             self._free.put_nowait(seat)
 
     async def warm_up(self) -> None:
-        """Return when every worker has started and has loaded its modules."""
-        await asyncio.gather(*(self.run(process.idle) for _ in self._seats))
+        """Return when every worker has started and has loaded its modules.
+
+        Raises
+        ------
+        WorkerCrashedError
+            If the processes of a seat die while they start, again and again.
+
+        """
+        await asyncio.gather(*(self._started() for _ in self._seats))
+
+    async def _started(self) -> None:
+        """Return when one more worker has started; a process that dies while it starts is replaced."""
+        for _ in range(START_TRIES - 1):
+            with suppress(WorkerCrashedError):
+                return await self._once(worker_side.idle, (), None, None)
+        return await self._once(worker_side.idle, (), None, None)
 
     async def run(
         self,
@@ -146,7 +161,7 @@ class WorkerPool:
         return ProcessPool(
             max_workers=1,
             max_tasks=self._tasks_per_worker,
-            initializer=process.initialise,
+            initializer=worker_side.initialise,
             initargs=[self._inbox.address, self._memory],
             context=context,
         )

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from pebble import ProcessFuture, ProcessPool
 
-from service.workers import process
+from service.workers import worker_side
 
 # Seconds between two checks that the pool of a running task is alive.
 POOL_CHECK_SECONDS = 1.0
@@ -28,7 +28,7 @@ def scheduled(
 
     """
     try:
-        return seat.schedule(process.run, args=(task, function, arguments))
+        return seat.schedule(worker_side.run, args=(task, function, arguments))
     except RuntimeError as error:
         raise BrokenProcessPool(str(error)) from error
 

@@ -9,7 +9,7 @@ from ipcore import shapes
 from ipcore._typing import FloatArray
 from ipcore.polynomial import graded
 from ipcore.polynomial.frame import Frame
-from ipcore.search.stopping import stopping_criterion
+from ipcore.search.criteria import stopping_criterion
 from ipcore.shapes import Shape
 
 EPS = np.finfo(float).eps
@@ -64,7 +64,7 @@ def test_the_cell_and_the_horse_of_scikit_image() -> None:
     assert cell.diagnostics.normal_source is ipcore.NormalSource.OUTLINE
     horse = ipcore.fit(outline((~data.horse()).astype(float), 0.5), options=ipcore.FitOptions(max_degree=12))
     assert horse.stop_reason is ipcore.StopReason.MAX_DEGREE
-    assert any("max_degree" in warning for warning in horse.warnings)
+    assert any("max_degree" in warning.message for warning in horse.warnings)
     assert cell.diagnostics.d_dist < 0.01 < horse.diagnostics.d_dist
     best = min(horse.steps, key=lambda step: max(step.d_dist / 0.01, (1 - step.d_smooth) / 0.05))
     assert horse.degree == best.degree
@@ -112,7 +112,7 @@ def test_points_on_a_plane_are_fitted_by_degree_one_with_a_warning() -> None:
     assert np.abs(result.polynomial.distance(plane + 5.0)).max() < 1e-13
     stubborn = ipcore.fit(plane, options=ipcore.FitOptions(t1=0.0))
     assert stubborn.stop_reason is ipcore.StopReason.PLANAR
-    assert any("plane" in warning for warning in stubborn.warnings)
+    assert any("plane" in warning.message for warning in stubborn.warnings)
 
 
 def test_progress_sees_every_step_and_may_stop_the_fit() -> None:
@@ -155,11 +155,16 @@ def test_bounds_are_the_datas_box_grown_by_three_tenths_of_the_mean_radius() -> 
     np.testing.assert_allclose(bounds, [points.min(axis=0) - margin, points.max(axis=0) + margin], rtol=1e-12)
 
 
+TWO = ipcore.FitOptions(max_degree=2)
+
+
 def test_wrongly_oriented_normals_are_noticed() -> None:
     points, normals = shapes.sphere().sample(500)
-    inward = ipcore.fit(points, -normals)
+    inward = ipcore.fit(points, -normals, TWO)
     assert inward.diagnostics.normal_self_check < 0.1
-    assert any("wrong way" in warning for warning in inward.warnings)
+    assert [warning.code for warning in inward.warnings] == ["normals-inward"]
+    mixed = ipcore.fit(points, np.where(np.arange(500)[:, None] % 5 == 0, -normals, normals), TWO)
+    assert "normals-doubtful" in [warning.code for warning in mixed.warnings]
 
 
 def test_stray_sheets_are_measured_and_reported() -> None:
@@ -173,7 +178,7 @@ def test_stray_sheets_are_measured_and_reported() -> None:
     )
     assert wild.diagnostics.stray is not None
     assert wild.diagnostics.stray > 0.05
-    assert any("away from all data" in warning for warning in wild.warnings)
+    assert any("away from all data" in warning.message for warning in wild.warnings)
 
 
 def test_a_checked_point_set_is_fitted_as_it_is() -> None:

@@ -117,7 +117,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
 def test_moments_that_do_not_belong_together_do_not_add() -> None:
     points, normals = rough(500)
     some = Moments.of(points, normals, degree=4)
-    thick = FitOptions(layer_distance=0.1)
+    thick = FitOptions(layer_distance=0.1, geometric=False)
     for other in (
         Moments.of(points[:400], normals[:400], degree=4),
         Moments.of(points, normals, degree=5),

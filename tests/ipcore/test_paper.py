@@ -67,8 +67,8 @@ def test_the_loss_of_orthogonality_is_reported_and_warned_of() -> None:
     assert high.diagnostics.orthogonality_loss is not None
     assert low.diagnostics.orthogonality_loss < 1e-9
     assert high.diagnostics.orthogonality_loss > 1e-3
-    assert any("lost orthogonality" in warning for warning in high.warnings)
-    assert not any("lost orthogonality" in warning for warning in low.warnings)
+    assert any("lost orthogonality" in warning.message for warning in high.warnings)
+    assert not any("lost orthogonality" in warning.message for warning in low.warnings)
     block = ipcore.fit_fixed(trefoil(), options=FitOptions(**QUIET), degree=16, method="3l")
     assert block.diagnostics.orthogonality_loss is None
     assert block.steps[0].rss < high.steps[0].rss  # least squares has the least

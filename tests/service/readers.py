@@ -7,12 +7,12 @@ import pytest
 
 from service.formats.points import decode
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 
 MOST = 1000
 
 
-def read(body: bytes | dict[str, Any], kind: str = "json") -> PointSet:
+def read(body: bytes | dict[str, Any], kind: str = "json") -> ReceivedPoints:
     return decode.read(body if isinstance(body, bytes) else json.dumps(body).encode(), kind, MOST)
 
 

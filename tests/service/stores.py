@@ -10,10 +10,10 @@ from service.jobs.lease_holder import LeaseHolder
 from service.jobs.requested_options import RequestedOptions
 from service.queue.procrastinate_jobs import make, steps
 from service.store.fits import SqlFits
-from service.store.migrations import Part
+from service.store.migrations import MigrationStep
 
 LIMIT = 40
-QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
+QUEUE = MigrationStep("procrastinate", "procrastinate_jobs", make, steps())
 ME, OTHER = LeaseHolder("me", 60.0), LeaseHolder("other", 60.0)
 NOW = datetime(2026, 11, 22, 20, 15, 30, 123456, UTC)
 

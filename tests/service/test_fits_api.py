@@ -95,7 +95,7 @@ def test_a_plane_is_fitted_by_degree_1_with_a_warning(client: httpx.Client) -> N
     flat = np.random.default_rng(0).uniform(size=(50, 3)) * [1.0, 1.0, 0.0]
     fit = fitted(client, npy(flat))
     assert (fit["polynomial"]["degree"], fit["stop_reason"]) == (1, "planar")
-    assert any("plane" in warning for warning in fit["warnings"])
+    assert [warning["code"] for warning in fit["warnings"]] == ["planar"]
 
 
 def test_async_then_long_poll(shared: Server) -> None:

@@ -14,11 +14,11 @@ import pytest
 import ipcore
 from service.api.limits import Limits
 from service.jobs.errors import InvalidInputError, TooLargeError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.point_set_summary import PointSetSummary
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame
-from service.workers.planner import FitPlanner
+from service.workers.planner_adapter import FitPlanner
 from tests.service.bodies import HALF_A_MINUTE, ellipse, npy, torus
 from tests.service.running import Server
 
@@ -45,8 +45,8 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     server.stop()
 
 
-def point_set(points: int) -> PointSet:
-    return PointSet(b"", "", 3, points, normals=True, options={}, summary=SUMMARY)
+def point_set(points: int) -> ReceivedPoints:
+    return ReceivedPoints(b"", "", 3, points, normals=True, options={}, summary=SUMMARY)
 
 
 @pytest.mark.parametrize(("dimension", "highest"), [(2, 10), (3, 6)])

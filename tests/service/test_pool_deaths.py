@@ -5,12 +5,14 @@ import os
 import signal
 import subprocess
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from service.jobs.errors import DeadlineExceededError, OutOfMemoryError, WorkerCrashedError
+from service.workers import worker_side
 from service.workers.kill import kill
 from service.workers.pool import WorkerPool
 from service.workers.progress import report
@@ -142,5 +144,26 @@ def test_a_task_that_needs_too_much_memory_says_so_and_its_worker_is_replaced() 
             await workers.run(take, 2**31)
         assert await workers.run(take, 2**20) == 2**20
         assert await workers.run(pid) != first  # what it still holds of the task would fail the next
+
+    run(script)
+
+
+def test_a_worker_that_is_killed_while_it_starts_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker_side, "idle", partial(die_once, tmp_path / "mark"))
+
+    async def script(workers: WorkerPool) -> None:
+        await workers.warm_up()
+        assert (tmp_path / "mark").exists()
+        assert await workers.run(pid)
+
+    run(script)
+
+
+def test_workers_that_die_again_and_again_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker_side, "idle", die)
+
+    async def script(workers: WorkerPool) -> None:
+        with pytest.raises(WorkerCrashedError):
+            await workers.warm_up()
 
     run(script)

@@ -133,11 +133,11 @@ def test_an_unknown_fit(client: httpx.Client, path: str) -> None:
 @pytest.mark.parametrize(
     ("method", "path", "allowed"),
     [
-        ("PUT", "/v1/fits/none", "DELETE, GET"),
-        ("POST", "/v1/fits/none/mesh", "GET"),
+        ("PUT", "/v1/fits/none", "DELETE, GET, HEAD"),
+        ("POST", "/v1/fits/none/mesh", "GET, HEAD"),
         ("GET", "/v1/fits", "POST"),
-        ("POST", "/livez", "GET"),
-        ("DELETE", "/docs", "GET"),
+        ("POST", "/livez", "GET, HEAD"),
+        ("DELETE", "/docs", "GET, HEAD"),
         ("PATCH", "/openapi.json", "GET, HEAD"),
         ("POST", "/docs/assets/swagger-ui.css", "GET, HEAD"),
         ("PROPFIND", "/v1/fits", "POST"),

@@ -10,7 +10,7 @@ from sqlalchemy import Column, Connection, Engine, MetaData, Table, create_engin
 
 from service.jobs.fit import FitStatus
 from service.queue.procrastinate_jobs import make, steps
-from service.store.migrations import DatabaseVersionError, Part, prepare
+from service.store.migrations import DatabaseVersionError, MigrationStep, prepare
 from service.store.schema import FITS
 from service.store.schema import fits as table
 from tests.service.bodies import ellipse, npy
@@ -20,7 +20,7 @@ from tests.service.running import Program, Server, until
 NEWER = dataclasses.replace(
     FITS, steps=FITS.steps | {"0.2.9": "ALTER TABLE fits ADD COLUMN note VARCHAR DEFAULT '100 %'", "0.3.0": "SELECT 1"}
 )
-QUEUE = Part("procrastinate", "procrastinate_jobs", make, steps())
+QUEUE = MigrationStep("procrastinate", "procrastinate_jobs", make, steps())
 Make = Callable[[], Engine]
 
 

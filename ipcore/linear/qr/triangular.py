@@ -1,4 +1,4 @@
-"""The factorisation of a matrix M that is triangular itself: R = M, until a column is left out or damped."""
+"""The factorisation of a matrix that is triangular already."""
 
 import numpy as np
 
@@ -7,7 +7,11 @@ from ipcore.linear.qr.block_gram_schmidt import BlockGramSchmidt, independent_co
 
 
 class Triangular(BlockGramSchmidt):
-    """M = QR of an upper triangular M, with Q = I until the first column is left out or damped."""
+    """The factorisation M = QR of an upper triangular matrix M.
+
+    As long as every column is kept and none is damped, Q is the identity and R is M, so that nothing is computed. After
+    that, columns are orthogonalised as in any other matrix.
+    """
 
     def append(self, columns: FloatArray, damping: FloatArray | None = None) -> BoolArray:
         """Append columns C (rows, k) with their κ d (k,); return whether each was kept, (k,)."""

@@ -13,6 +13,7 @@ from service.api.fragments import (
     POINT_SET_BODY,
     PREFER,
     ZERO_SET_FILES,
+    ZERO_SET_HEADERS,
     problems,
 )
 from service.api.parameters import READING, FitId, FitQuery, client_address, idempotency_key
@@ -30,7 +31,12 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
     summary="Fit a point set",
     openapi_extra={"parameters": [PREFER, IDEMPOTENCY_KEY], "requestBody": POINT_SET_BODY},
     responses={
-        200: {"model": FitResource, "description": "The fit has ended.", "content": ZERO_SET_FILES},
+        200: {
+            "model": FitResource,
+            "description": "The fit has ended.",
+            "content": ZERO_SET_FILES,
+            "headers": ZERO_SET_HEADERS,
+        },
         202: {"model": FitResource, "description": "Accepted; see Location."},
         **problems(400, 406, 409, 413, 415, 422, 503),
     },

@@ -4,7 +4,7 @@ from fastapi import APIRouter, Request, Response
 
 from service.api import negotiation
 from service.api.dependencies import ContextDep
-from service.api.fragments import ZERO_SET_FILES, problems
+from service.api.fragments import ZERO_SET_FILES, ZERO_SET_HEADERS, problems
 from service.api.parameters import Bounds, Extent, FitId, Resolution, ZeroSetFormatName, corners
 from service.api.representation import zero_set_response
 from service.jobs.mesh_request import MeshRequest
@@ -17,7 +17,7 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
     summary="Take the zero set",
     response_class=Response,
     responses={
-        200: {"description": "The zero set, as a file.", "content": ZERO_SET_FILES},
+        200: {"description": "The zero set, as a file.", "content": ZERO_SET_FILES, "headers": ZERO_SET_HEADERS},
         **problems(404, 406, 409, 422, 503),
     },
 )
@@ -39,5 +39,5 @@ async def mesh(  # noqa: PLR0913, PLR0917 - one parameter each in the OpenAPI do
     chosen = negotiation.zero_set_format(request, dimension, format)
     context.limits.check_resolution(resolution, dimension)
     box = None if bounds is None else corners(bounds, dimension)
-    content = await context.fits.zero_set(fit_id, MeshRequest(chosen.name, resolution, box, extent == "data"))
-    return zero_set_response(fit_id, chosen, content)
+    file = await context.fits.zero_set(fit_id, MeshRequest(chosen.name, resolution, box, extent == "data"))
+    return zero_set_response(fit_id, chosen, file)

@@ -14,6 +14,7 @@ from service.formats.picture.view import View
 # axis, the finest is taken that needs no more.
 MOST_TRIANGLES = 12_000
 RESOLUTIONS = (64, 56, 48, 42, 36, 30, 24)
+FINEST_PAINTED = 512  # grid points, for zero sets that are too thin for these: a needle 100 : 1 is then seen
 MARGIN = 8.0  # px
 INSET = 96.0  # px, the side of the square in a corner in which the data are drawn
 
@@ -42,12 +43,25 @@ def surface(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray, vi
 
 
 def _extract(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray) -> ipcore.ZeroSet:
-    """Return the part of the zero set that the data (N, 3) describe, at the finest resolution that can be painted."""
+    """Return the part of the zero set that the data (N, 3) describe, at the finest resolution that can be painted.
+
+    Where the finest of `RESOLUTIONS` is too coarse for a thin zero set, it is doubled as long as that can be painted.
+    """
     meshes = (_described(polynomial, points, resolution) for resolution in RESOLUTIONS)
-    for mesh in meshes:
-        if len(mesh.cells) <= MOST_TRIANGLES * (2 if is_closed(mesh.cells) else 1):
+    mesh = next((one for one in meshes if _can_be_painted(one)), None)
+    if mesh is None:
+        return _described(polynomial, points, RESOLUTIONS[-1])
+    while mesh.warning is not None and 2 * mesh.resolution <= FINEST_PAINTED:
+        finer = _described(polynomial, points, 2 * mesh.resolution)
+        if not _can_be_painted(finer):
             break
+        mesh = finer
     return mesh
+
+
+def _can_be_painted(mesh: ipcore.ZeroSet) -> bool:
+    """Return whether a mesh has few enough triangles; of a closed one, half of them are seen."""
+    return len(mesh.cells) <= MOST_TRIANGLES * (2 if is_closed(mesh.cells) else 1)
 
 
 def _described(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray, resolution: int) -> ipcore.ZeroSet:

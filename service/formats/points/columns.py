@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.formats.points.raw import Array, shortened
+from service.formats.points.reading import Array, shortened
 from service.jobs.errors import InvalidInputError
 
 COORDINATES = ("x", "y", "z")

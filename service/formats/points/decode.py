@@ -10,14 +10,14 @@ import numpy as np
 
 import ipcore
 from service.formats.points import columns as columns_
-from service.formats.points.geometry import GEOMETRY_READERS
+from service.formats.points.geometry_readers import GEOMETRY_READERS
 from service.formats.points.json_body import read_json
 from service.formats.points.npy import read_npy
 from service.formats.points.npz import read_npz
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count
+from service.formats.points.reading import Array, RawPoints, ReadOptions, check_count
 from service.formats.points.table import read_table
 from service.jobs.errors import InvalidInputError, TooLargeError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.point_set_summary import PointSetSummary
 
@@ -36,7 +36,7 @@ FILE_BYTES = 1 << 20
 
 def read(
     body: bytes | Path, kind: str, max_points: int, *, columns: str | None = None, missing: Missing = "refuse"
-) -> PointSet:
+) -> ReceivedPoints:
     """Read and check a point set.
 
     Parameters
@@ -78,7 +78,7 @@ def _content(body: bytes | Path, max_points: int) -> bytes:
     return body.read_bytes()
 
 
-def checked(raw: RawPoints, options: ReadOptions) -> PointSet:
+def checked(raw: RawPoints, options: ReadOptions) -> ReceivedPoints:
     """Return points that a reader found as a checked point set.
 
     Raises
@@ -97,15 +97,16 @@ def checked(raw: RawPoints, options: ReadOptions) -> PointSet:
         raise InvalidInputError(_with_remedy(error.message, complete), error.at) from error
     table = given.points if given.normals is None else np.hstack([given.points, given.normals])
     content, (count, dimension) = _npy(table), given.points.shape
-    return PointSet(
+    left_out = len(raw.points) - len(complete.points)
+    return ReceivedPoints(
         content,
         key=hashlib.sha256(content).hexdigest(),
         dimension=dimension,
         points=count,
         normals=given.normals is not None,
         options=raw.options,
-        summary=PointSetSummary.of(given),
-        left_out=len(raw.points) - len(complete.points),
+        summary=PointSetSummary.of(given, left_out),
+        left_out=left_out,
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 
-from service.formats.points.raw import Array
+from service.formats.points.reading import Array
 from service.jobs.errors import MalformedInputError
 
 LONGEST_NUMBER = 12  # digits

@@ -8,7 +8,7 @@ import numpy as np
 import orjson
 
 from service.formats.points.npy import shaped
-from service.formats.points.raw import (
+from service.formats.points.reading import (
     Array,
     RawPoints,
     ReadOptions,

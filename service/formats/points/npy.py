@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from service.formats.points import columns
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, doubles, number_type, shortened
+from service.formats.points.reading import Array, RawPoints, ReadOptions, check_count, doubles, number_type, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
 Header = Callable[[BytesIO], tuple[tuple[int, ...], bool, np.dtype[Any]]]

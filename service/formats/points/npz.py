@@ -5,7 +5,7 @@ from io import BytesIO
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile
 
 from service.formats.points import columns, npy
-from service.formats.points.raw import Array, RawPoints, ReadOptions, shortened
+from service.formats.points.reading import Array, RawPoints, ReadOptions, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
 
 # What the standard library raises on an archive that is broken, encrypted, or packed as it does not know.

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from service.formats.points import faces
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
+from service.formats.points.reading import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
 from service.jobs.errors import MalformedInputError
 
 LINES_PER_POINT = 8  # normals and faces for each point that a file may have; see ply.ROWS_PER_POINT

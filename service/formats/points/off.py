@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 
 from service.formats.points import faces
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
+from service.formats.points.reading import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
 _HEADER = re.compile(r"(ST)?(C)?(N)?(?:OFF|off)\b\s*")  # nOFF, with a small n, has any number of dimensions
@@ -64,7 +64,7 @@ def _read(text: str, max_points: int) -> RawPoints:
 
 
 def _numbers(rows: list[list[str]], width: int) -> Array:
-    """Return the first numbers (N, width) of each row; behind them may stand colours and texture coordinates."""
+    """Return the first `width` numbers of each row, (N, width). What follows them, such as a colour, is ignored."""
     for i, row in enumerate(rows):
         if len(row) < width:
             raise ValueError(f"vertex {i} has {len(row)} numbers, not {width}")
@@ -72,7 +72,7 @@ def _numbers(rows: list[list[str]], width: int) -> Array:
 
 
 def _polygons(rows: list[str]) -> list[list[int]]:
-    """Return the positions of the vertices of each face; behind them may stand a colour."""
+    """Return the positions of the vertices of each face. What follows them in a row, such as a colour, is ignored."""
     found = []
     for i, row in enumerate(rows):
         cells = row.split()

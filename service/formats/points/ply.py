@@ -13,7 +13,15 @@ import numpy as np
 
 from service.formats.points import columns, faces
 from service.formats.points.ply_header import Element, Header, Property, parse
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, doubles, shortened
+from service.formats.points.reading import (
+    Array,
+    RawPoints,
+    ReadOptions,
+    check_count,
+    check_no_columns,
+    doubles,
+    shortened,
+)
 from service.jobs.errors import MalformedInputError
 
 Values = dict[str, Array | list[Array]]

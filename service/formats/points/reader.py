@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from service.formats.points import decode
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.ports import Workers
 
@@ -32,10 +32,10 @@ class PointSetReader:
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
-    ) -> PointSet:
+    ) -> ReceivedPoints:
         """Read and check a body of this kind; see `decode.read`."""
         read = partial(decode.read, body, kind, self.max_points, columns=columns, missing=missing)
         if isinstance(body, bytes):
             return await asyncio.to_thread(read)
-        points: PointSet = await self.workers.run(read, deadline=self.deadline)
+        points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
         return points

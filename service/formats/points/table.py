@@ -27,7 +27,7 @@ import numpy as np
 from service.formats.points import columns, layout
 from service.formats.points.columns import Columns
 from service.formats.points.layout import Layout
-from service.formats.points.raw import Array, RawPoints, ReadOptions
+from service.formats.points.reading import Array, RawPoints, ReadOptions
 from service.formats.points.table_rows import TableRows
 from service.jobs.errors import InvalidInputError
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from service.formats.points.cells import COMMENT, LONGEST_LINE, MISSING, split, too_long
 from service.formats.points.layout import Layout
-from service.formats.points.raw import Array, ReadOptions, check_count, shortened
+from service.formats.points.reading import Array, ReadOptions, check_count, shortened
 from service.jobs.errors import InvalidInputError, MalformedInputError
 
 # Lines that are read at once: enough that the work per block does not show, few enough that the lines take no memory.

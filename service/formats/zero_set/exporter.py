@@ -11,6 +11,7 @@ from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.ports import Workers
+from service.jobs.zero_set_file import ZeroSetFile
 
 
 @dataclass(frozen=True)
@@ -29,13 +30,12 @@ class MeshExporter:
     workers: Workers
     deadline: float
 
-    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> ZeroSetFile:
         """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""
-        content: bytes = await self.workers.run(export, result, points, dimension, wanted, deadline=self.deadline)
-        return content
+        return await self.workers.run(export, result, points, dimension, wanted, deadline=self.deadline)
 
 
-def export(result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> bytes:
+def export(result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> ZeroSetFile:
     """Extract a zero set and write it as a file.
 
     Raises
@@ -51,4 +51,4 @@ def export(result: bytes, points: bytes, dimension: int, wanted: MeshRequest) ->
         zero_set = ipcore.zero_set(polynomial, bounds, wanted.resolution, data=data, restrict=wanted.restrict)
     except ipcore.IPCoreError as error:
         raise InvalidInputError(error.message, error.at) from error
-    return WRITERS[wanted.format](zero_set)
+    return ZeroSetFile(WRITERS[wanted.format](zero_set), zero_set.warning)

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 import ipcore
-from service.formats.zero_set.rows import blocks, joined, uint32
+from service.formats.zero_set import single_precision
+from service.formats.zero_set.chunks import blocks, joined, uint32
 
 NAME = "zero set"
 GLB_NOTES = {
@@ -25,8 +26,15 @@ def write(surface: ipcore.ZeroSet) -> bytes:
     """Return binary glTF 2.0: one node with one mesh, without material; no node if there is no face.
 
     A header, a chunk of JSON, and one of positions, normals and indices, each of a size that is a multiple of 4.
+
+    Raises
+    ------
+    InvalidInputError
+        If single precision cannot hold it.
+
     """
     middle = _middle(surface.vertices)
+    single_precision.check(surface, "glb", about=middle)
     text = json.dumps(_tree(surface, middle), separators=(",", ":")).encode("ascii")
     text += b" " * (-len(text) % 4)
     size = sum(_sizes(surface))

@@ -3,7 +3,7 @@
 import numpy as np
 
 import ipcore
-from service.formats.zero_set.rows import Table, blocks, joined
+from service.formats.zero_set.chunks import Table, blocks, joined
 
 
 def write(surface: ipcore.ZeroSet) -> bytes:

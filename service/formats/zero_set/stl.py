@@ -3,11 +3,20 @@
 import numpy as np
 
 import ipcore
-from service.formats.zero_set.rows import Table, blocks, joined, uint32
+from service.formats.zero_set import single_precision
+from service.formats.zero_set.chunks import Table, blocks, joined, uint32
 
 
 def write(surface: ipcore.ZeroSet) -> bytes:
-    """Return binary STL: 80 bytes of header, the number of faces, then normal, corners and two zero bytes of each."""
+    """Return binary STL: 80 bytes of header, the number of faces, then normal, corners and two zero bytes of each.
+
+    Raises
+    ------
+    InvalidInputError
+        If single precision cannot hold it.
+
+    """
+    single_precision.check(surface, "stl")
     header = b"binary STL; unit and axes are those of the data".ljust(80)
     records = zip(blocks(surface.cells), blocks(surface.cell_normals()), strict=True)
     return joined(

@@ -9,7 +9,7 @@ from ipcore import Constraints, FitOptions, shapes
 from ipcore._typing import FloatArray
 from ipcore.constraints import min_max, min_var
 from ipcore.constraints.family import RowParameters
-from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.dense import DenseFit
 from ipcore.linear.design_matrix import DesignMatrix
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check
@@ -83,7 +83,7 @@ def test_gradient_one_reproduces_circle_and_sphere(make: Callable[[], Shape]) ->
 )
 def test_a_fit_with_coefficients_to_spare_has_the_gradient_that_was_asked_for(family: Constraints, order: int) -> None:
     data = oriented(shapes.superellipse, 6)  # 18 equations for 28 coefficients, so all of them hold
-    f = LeastSquaresFit(data, FitOptions(constraints=family), 6).raise_to(28).polynomial
+    f = DenseFit(data, FitOptions(constraints=family), 6).raise_to(28).polynomial
     w = np.ones(6)
     if order:
         w = np.linalg.norm((data.points[:, None, :] ** graded.exponents(2, 6)).prod(axis=2), ord=order, axis=1)
@@ -108,7 +108,7 @@ def test_the_incremental_solve_is_the_direct_one(family: Constraints, make: Call
     d = data.points.shape[1]
     rows = options.family.rows(data.points, data.normals, options.row_parameters)
     M = DesignMatrix(rows, Basis.CHEBYSHEV, data.bounds, 6).columns(0, graded.count(d, 6))
-    fit = LeastSquaresFit(data, options, 6)
+    fit = DenseFit(data, options, 6)
     for degree in (2, 5, 6):
         step = fit.raise_to(graded.count(d, degree))
         part, b = M[:, : step.columns], rows.b(degree)
@@ -164,7 +164,7 @@ def test_more_layers_or_gradient_rows_hold_the_gradient_at_high_degree(family: C
     def smooth(method: Constraints) -> float:
         # 190 coefficients, more than points: the search would stop there, the system itself has rows enough
         data = OrientedPoints.of(check(points), 12)
-        step = LeastSquaresFit(data, FitOptions(constraints=method), 18).raise_to(graded.count(2, 18))
+        step = DenseFit(data, FitOptions(constraints=method), 18).raise_to(graded.count(2, 18))
         gradient = step.polynomial.gradient(data.points)
         cosine = (gradient * data.normals).sum(axis=1) / np.linalg.norm(gradient, axis=1)
         return float(cosine.mean())

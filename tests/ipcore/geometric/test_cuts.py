@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -81,16 +83,11 @@ def distances(count: int) -> tuple[ViolationGrid, FloatArray]:
 
 
 def violations(
-    f: FloatArray,
-    minor: BoolArray,
-    suspect: BoolArray,
-    subgrid: FloatArray | None = None,
-    values: FloatArray | None = None,
+    f: FloatArray, minor: BoolArray, suspect: BoolArray, subgrid: tuple[FloatArray, FloatArray] | None = None
 ) -> Violations:
-    empty = np.zeros((0, 2))
-    return Violations(
-        f, minor, suspect, empty if subgrid is None else subgrid, np.zeros(0) if values is None else values, 2, 0.0
-    )
+    """Return violations as a grid shows them; at all other places f is -0.01."""
+    places, values = subgrid or (np.zeros((0, 2)), np.zeros(0))
+    return Violations(np.array([[-0.01]]), f, minor, suspect, places, values, 2, 0.0)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -108,12 +105,13 @@ def test_a_region_within_the_blind_radius_gets_the_other_sign(side: float) -> No
     np.testing.assert_array_equal(added.t[first], grid.places(beside))
 
 
-def test_components_between_nodes_get_the_known_side_or_that_of_the_nodes_around() -> None:
+def test_components_between_nodes_get_the_known_side_or_that_of_the_nearest_tangent() -> None:
     grid, f = distances(101)
     none = np.zeros(f.shape, dtype=np.bool_)
-    places = np.array([[0.0, 0.0], [0.1, 0.0], [0.9, 0.9], [1.0 / 1.3, 0.0], [0.0, -1.0 / 1.3]])
-    values = np.array([0.01, -0.01, -0.01, -0.01, 0.01])  # wrong inside, right inside, wrong outside, twice on the data
-    added = cuts(violations(f, none, none, places, values), grid, unit_circle())
+    places = np.array([[0.0, 0.0], [0.1, 0.0], [0.9, 0.9], [1.005 / 1.3, 0.0], [0.0, -0.995 / 1.3], [0.995 / 1.3, 0.0]])
+    # wrong inside, right inside, wrong outside; beside the data wrong outside, wrong inside, right inside
+    values = np.array([0.01, -0.01, -0.01, -0.01, 0.01, -0.01])
+    added = cuts(violations(f, none, none, (places, values)), grid, unit_circle())
     assert added is not None
     np.testing.assert_array_equal(added.t, places[[0, 2, 3, 4]])
     assert added.side.tolist() == [-1.0, 1.0, 1.0, -1.0]
@@ -146,3 +144,37 @@ def test_nodes_with_enough_margin_get_no_cut() -> None:
     added = cuts(violations(f, np.zeros_like(wrong), wrong), grid, unit_circle())
     assert added is not None
     np.testing.assert_array_equal(added.t, grid.places(wrong))
+
+
+def strip(thickness: float) -> tuple[InsideOutside, ViolationGrid]:
+    """Return the sides of a long rectangle about the x axis, 0.02 between points, and a grid that its middle misses."""
+    x = np.arange(-1.0, 1.0, 0.02)
+    along = np.vstack([np.column_stack([x, np.full_like(x, y)]) for y in (thickness / 2.0, -thickness / 2.0)])
+    normals = np.vstack([np.tile([0.0, 1.0], (len(x), 1)), np.tile([0.0, -1.0], (len(x), 1))])
+    sides = InsideOutside(along, normals, BOUNDS)
+    return sides, ViolationGrid(sides, BOUNDS, 101)
+
+
+@pytest.mark.parametrize("between", [-0.01, 0.01])
+def test_pieces_of_a_thin_part_are_right_and_joined_only_where_f_divides_them(between: float) -> None:
+    sides, grid = strip(0.02)
+    f = np.ones((101, 101))
+    f[20:40, 50] = f[60:70, 50] = -0.01  # inside the strip
+    minor = np.zeros(f.shape, dtype=np.bool_)
+    minor[60:70, 50] = True
+    found = replace(violations(f, minor, minor), tensor=np.array([[between]]))
+    added = cuts(found, grid, sides)
+    assert (added is not None) == (between > 0.0)
+    if added is not None:
+        on_path = (np.abs(added.t[:, 1]) < 1e-9) & (added.margin == UNKNOWN_SIDE_MARGIN)
+        assert (added.side[on_path] == -1.0).all()
+        assert np.ptp(added.t[on_path, 0]) >= 20 * 0.02 - 1e-9
+
+
+def test_where_the_shape_touches_itself_nothing_has_to_be_joined() -> None:
+    turn = 2.0 * np.pi * np.arange(60) / 60
+    ring = np.column_stack([np.cos(turn), np.sin(turn)])
+    across = np.array([1.0, 0.0])
+    sides = InsideOutside(0.5 * np.vstack([ring - across, ring + across]), np.vstack([ring, ring]), BOUNDS)
+    assert sides.touching(np.array([[0.0, 0.0], [0.0, 0.01]])).tolist() == [True, True]
+    assert sides.touching(np.array([[-1.0, 0.0], [0.5, 0.5]])).tolist() == [False, False]

@@ -137,7 +137,7 @@ def test_a_robust_fit_survives_outliers_and_says_so() -> None:
     assert robust.diagnostics.components == 1
     assert robust.diagnostics.outliers is not None
     assert 0.02 < robust.diagnostics.outliers < 0.08
-    assert any("outliers" in warning for warning in robust.warnings)
+    assert any("outliers" in warning.message for warning in robust.warnings)
     assert ipcore.fit(*mixed, FitOptions(max_degree=robust.degree)).stop_reason is ipcore.StopReason.MAX_DEGREE
 
 
@@ -148,7 +148,7 @@ def test_an_open_scan_says_where_it_does_not_know() -> None:
     assert result.diagnostics.d_dist < 0.01
     assert result.diagnostics.unsure is not None
     assert result.diagnostics.unsure > 0.05
-    assert any("do not tell inside from outside" in warning for warning in result.warnings)
+    assert any("do not tell inside from outside" in warning.message for warning in result.warnings)
     whole = ipcore.fit(points, normals).diagnostics
     assert whole.unsure is not None
     assert whole.unsure < 0.01

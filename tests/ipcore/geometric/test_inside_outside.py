@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipcore import shapes
-from ipcore.geometric.inside_outside import BLIND_RADII, SEARCH_RADIUS, InsideOutside, crowded
+from ipcore.geometric.inside_outside import BLIND_RADII, SEARCH_RADIUS, InsideOutside
 from ipcore.shapes import Shape
 
 MADE = (shapes.ellipse, shapes.cubic, shapes.superellipse, shapes.torus, shapes.genus_two)
@@ -74,11 +74,3 @@ def test_half_a_sphere_is_sure_beside_its_surface_and_unsure_in_its_opening() ->
     assert (sides.classify(1.15 * up).side == 1.0).all()
     opening = np.column_stack([np.linspace(-0.5, 0.5, 40), np.zeros(40), np.full(40, -0.25)])
     assert (sides.classify(opening).side == 0.0).mean() > 0.5
-
-
-def test_isolated_points_are_told_from_crowded_ones() -> None:
-    points, _ = shapes.sphere().sample(1000)
-    outliers = np.random.default_rng(0).uniform(1.5, 4.0, (50, 3))
-    told = crowded(np.vstack([points, outliers]))
-    assert told[:1000].all()
-    assert not told[1000:].any()

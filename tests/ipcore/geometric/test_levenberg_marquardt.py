@@ -109,10 +109,15 @@ def test_singular_equations_have_a_solution() -> None:
     np.testing.assert_allclose(J @ fit.coefficients, [2.0], atol=1e-6)
 
 
-def test_indefinite_equations_are_refused() -> None:
+def test_a_step_that_cannot_be_computed_is_tried_again_with_more_damping() -> None:
     indefinite = Linear(np.eye(2), np.ones(2), np.array([[1.0, 2.0], [2.0, 1.0]]))
-    with pytest.raises(ArithmeticError, match="positive definite"):
-        refine(indefinite, np.zeros(2), Effort(1, 0.0, 1))
+    start = indefinite.evaluate(np.zeros(2)).value
+    assert refine(indefinite, np.zeros(2), Effort(1, 0.0, 1)).evaluation.value < start
+
+
+def test_where_no_step_can_be_computed_the_fit_is_the_start() -> None:
+    unusable = Linear(np.eye(2), np.ones(2), np.full((2, 2), np.nan))
+    assert refine(unusable, np.zeros(2), Effort(3, 0.0, 1)).coefficients.tolist() == [0.0, 0.0]
 
 
 def test_the_condition_is_that_of_the_jacobian_with_columns_of_length_1() -> None:

@@ -10,7 +10,7 @@ import ipcore
 from ipcore import FitOptions, FitResult, Moments, StopReason, shapes
 from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError
-from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.dense import DenseFit
 from ipcore.linear.q_less import MAX_UNCORRECTED_CONDITION, QLessFit
 from ipcore.linear.row_source import MAX_CONDITION_OF_MOMENTS, MAX_CONDITION_WITH_ROWS, DataRows
 from ipcore.points.oriented import OrientedPoints
@@ -145,7 +145,7 @@ def test_moments_alone_end_where_squaring_the_condition_would_show() -> None:
     assert result.stop_reason is StopReason.ILL_CONDITIONED
     assert max(step.condition for step in result.steps) <= MAX_CONDITION_OF_MOMENTS
     assert result.degree < 30
-    assert any("Moments alone" in warning for warning in result.warnings)
+    assert any("Moments alone" in warning.message for warning in result.warnings)
 
 
 def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:
@@ -153,7 +153,7 @@ def test_a_sample_damps_as_much_as_all_the_points_that_it_stands_for() -> None:
     twice = replace(held, points=np.tile(held.points, (2, 1)), normals=np.tile(held.normals, (2, 1)), count=600)
     options = FitOptions.of(ridge="full", ridge_strength=1e-2)
     fit = QLessFit(replace(held, count=600), options, 5, DataRows(twice, options)).raise_to(21)
-    dense = LeastSquaresFit(twice, options, 5).raise_to(21)
+    dense = DenseFit(twice, options, 5).raise_to(21)
     assert fit is not None
     np.testing.assert_allclose(fit.polynomial.coefficients, dense.polynomial.coefficients, atol=1e-9)
     assert fit.degrees_of_freedom == pytest.approx(dense.degrees_of_freedom, rel=1e-9)
@@ -165,7 +165,7 @@ def test_the_ridged_solution_of_an_ill_conditioned_system_is_that_of_the_dense_f
     data = OrientedPoints.of(check_points(*rough(2, 500)), 12)
     options = FitOptions.of(factor="moments", ridge="full", ridge_strength=1e-12)
     fit = QLessFit(data, options, 12, DataRows(data, options)).raise_to(graded.count(2, 12))
-    dense = LeastSquaresFit(data, options, 12).raise_to(graded.count(2, 12))
+    dense = DenseFit(data, options, 12).raise_to(graded.count(2, 12))
     assert fit is not None
     assert fit.condition > MAX_UNCORRECTED_CONDITION  # where a fit without a ridge is corrected
     np.testing.assert_allclose(fit.polynomial(data.points), dense.polynomial(data.points), atol=1e-10)

@@ -8,7 +8,7 @@ import ipcore
 from ipcore import Factor, FitOptions, RidgeMatrix, shapes
 from ipcore._typing import FloatArray
 from ipcore.linear import ridge
-from ipcore.linear.dense import LeastSquaresFit
+from ipcore.linear.dense import DenseFit
 from ipcore.linear.qr.block_gram_schmidt import BlockGramSchmidt
 from ipcore.linear.qr.factorisation import Policy
 from ipcore.linear.qr.gram_schmidt import GramSchmidt
@@ -70,14 +70,14 @@ def test_appending_moves_nothing_earlier_and_adds_to_the_diagonal(kind: Any) -> 
 def test_the_prefix_of_degree_8_is_the_fit_of_degree_8(ridged: str, factor: Factor) -> None:
     data = OrientedPoints.of(check(*shapes.superellipse().sample(300)), 12)
     options = FitOptions.of(ridge=ridged, factor=factor, collinear_tol=1e-3)
-    eight, twelve = LeastSquaresFit(data, options, 8), LeastSquaresFit(data, options, 12)
+    eight, twelve = DenseFit(data, options, 8), DenseFit(data, options, 12)
     alone = eight.raise_to(graded.count(2, 8))
     first = twelve.raise_to(graded.count(2, 8))
     last = twelve.raise_to(graded.count(2, 12))
     assert last.ridged > first.ridged > 0
     tolerance = 100 * EPS * alone.condition  # the two only sum over vectors of different length
     np.testing.assert_allclose(first.polynomial.coefficients, alone.polynomial.coefficients, atol=tolerance)
-    straight = LeastSquaresFit(data, options, 12).raise_to(graded.count(2, 12))
+    straight = DenseFit(data, options, 12).raise_to(graded.count(2, 12))
     np.testing.assert_array_equal(last.polynomial.coefficients, straight.polynomial.coefficients)
 
 

@@ -2,7 +2,7 @@ from typing import Any
 
 import pytest
 
-from ipcore.constraints.families import Constraints
+from ipcore.constraints.registry import Constraints
 from ipcore.errors import InvalidOptionsError
 from ipcore.options.choices import Collinear, Criterion
 from ipcore.options.fit_options import FitOptions
@@ -115,6 +115,15 @@ def test_options_tell_what_a_linear_fit_holds_and_what_moments_determine(
     assert options.fits_from_moments is from_moments
 
 
+# The options beside which these act; beside others they are refused.
+ACTING: dict[str, dict[str, Any]] = {
+    "layer_distance": {"geometric": False},
+    "gradient_weight": {"constraints": "gradient-one"},
+    "collinear_tol": {"geometric": False},
+    "ridge_strength": {"ridge": "full"},
+}
+
+
 @pytest.mark.parametrize(
     ("name", "edge", "over"),
     [
@@ -132,9 +141,10 @@ def test_options_tell_what_a_linear_fit_holds_and_what_moments_determine(
     ],
 )
 def test_ranges_include_their_ends(name: str, edge: float, over: float) -> None:
-    assert getattr(FitOptions(**{name: edge}), name) == edge  # type: ignore[arg-type] # a number
-    with pytest.raises(InvalidOptionsError, match=name):
-        FitOptions(**{name: over})  # type: ignore[arg-type] # a number
+    acting = ACTING.get(name, {})
+    assert getattr(FitOptions.of(**acting | {name: edge}), name) == edge
+    with pytest.raises(InvalidOptionsError, match=f"{name} must be"):
+        FitOptions.of(**acting | {name: over})
 
 
 @pytest.mark.parametrize(

@@ -8,15 +8,14 @@ import pytest
 import ipcore
 from ipcore import Constraints, FitOptions, StopReason, shapes
 from ipcore._typing import FloatArray
-from ipcore.errors import InvalidOptionsError
 from ipcore.fitting import choose_linear_fitter
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check as check_points
 from ipcore.polynomial import graded
 from ipcore.search import degree_search
+from ipcore.search.criteria import DEGREES_PAST_MINIMUM, LastDegree, stopping_criterion
 from ipcore.search.degree_search import DegreeSearch, column_counts
 from ipcore.search.fitter import PrefixFit
-from ipcore.search.stopping import DEGREES_PAST_MINIMUM, LastDegree, stopping_criterion
 
 QUICK = FitOptions(measure_zero_set=False)
 
@@ -44,7 +43,7 @@ def test_on_noisy_points_a_criterion_finds_its_minimum_and_tries_some_degrees_mo
     scores = [getattr(step, criterion) for step in result.steps]
     best = int(np.argmin(scores))
     assert result.degree == result.steps[best].degree == result.steps[-1].degree - DEGREES_PAST_MINIMUM
-    assert not any("criterion" in warning for warning in result.warnings)
+    assert not any("criterion" in warning.message for warning in result.warnings)
     # it is close to the best that any degree could do, seen from the clean points
     assert np.abs(result.polynomial.distance(clean)).mean() < 2.0 * least_error_of_all_degrees(0.03)
 
@@ -65,53 +64,6 @@ def test_without_a_criterion_the_last_degree_is_the_answer() -> None:
     assert result.degree == 5
     assert len(result.steps) == 5
     assert result.diagnostics.d_dist == pytest.approx(result.steps[-1].d_dist, rel=1e-6)
-
-
-@pytest.mark.parametrize("family", Constraints)
-@pytest.mark.parametrize("granularity", ["form", "monomial"])
-def test_a_fixed_degree_is_what_the_search_has_at_that_degree(family: Constraints, granularity: str) -> None:
-    points, normals = shapes.superellipse().sample(300)
-    options = FitOptions.of(
-        constraints=family,
-        granularity=granularity,
-        criterion="none",
-        max_degree=5,
-        geometric=False,
-        measure_zero_set=False,
-    )
-    trace = ipcore.fit(points, normals, options).steps
-    fixed = ipcore.fit_fixed(points, normals, QUICK, degree=3, method=str(family))
-    (step,) = fixed.steps
-    same = next(s for s in trace if s.alpha == 10)
-    assert fixed.degree == step.degree == 3
-    assert fixed.options.constraints is family
-    assert step.d_dist == pytest.approx(same.d_dist, rel=1e-8)
-    assert step.rss == pytest.approx(same.rss, rel=1e-8)
-
-
-def test_a_fixed_degree_out_of_range_is_refused() -> None:
-    points, normals = shapes.circle().sample(20)
-    for degree, reason in ((0, "from 1 to 40"), (41, "from 1 to 40"), (5, "21 coefficients, more than 20 points")):
-        with pytest.raises(InvalidOptionsError, match=reason) as caught:
-            ipcore.fit_fixed(points, normals, degree=degree)
-        assert caught.value.at == ("degree",)
-    # as many coefficients as points are determined
-    assert ipcore.fit_fixed(points[:15], normals[:15], QUICK, degree=4, method="3l").degree == 4
-    with pytest.raises(InvalidOptionsError, match="method must be 3l or"):
-        ipcore.fit_fixed(points, normals, degree=2, method="2l")
-
-
-def test_a_ridged_fit_can_be_returned_in_the_chebyshev_basis() -> None:
-    points, normals = shapes.torus().sample(800)
-    both = [
-        ipcore.fit_fixed(
-            points, normals, FitOptions.of(ridge="full", basis=basis, measure_zero_set=False), degree=6
-        ).polynomial
-        for basis in ("monomial", "chebyshev")
-    ]
-    assert [p.basis for p in both] == ["monomial", "chebyshev"]
-    x = points + 0.1 * normals
-    np.testing.assert_allclose(both[0](x), both[1](x), atol=1e-12)
 
 
 def test_a_search_without_a_number_of_columns_is_an_error() -> None:
@@ -170,7 +122,7 @@ def test_the_lowest_column_is_tried_even_with_few_points_and_then_no_more() -> N
     options = FitOptions.of(granularity="monomial", t1=0.0, measure_zero_set=False)
     result = ipcore.fit(points, normals, options)
     assert result.stop_reason is StopReason.TOO_FEW_POINTS
-    assert result.steps[-1].alpha == 12
+    assert result.steps[-1].alpha == 13  # 12 points determine 13 coefficients up to a factor
 
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
@@ -236,17 +188,6 @@ def test_points_on_a_plane_are_planar_whatever_the_criterion() -> None:
     result = ipcore.fit(flat, np.tile([0.0, 0.0, 1.0], (60, 1)), options)
     assert result.stop_reason is StopReason.PLANAR
     assert result.steps[0].bic is not None
-
-
-def test_a_fit_of_a_fixed_degree_reports_its_progress_and_does_not_depend_on_threads() -> None:
-    points, normals = shapes.torus().sample(3000)
-    seen: list[ipcore.Step] = []
-    one, two = (
-        ipcore.fit_fixed(points, normals, QUICK, degree=4, method="3l", progress=seen.append, threads=threads)
-        for threads in (1, 2)
-    )
-    assert tuple(seen) == one.steps + two.steps
-    np.testing.assert_allclose(one.polynomial.coefficients, two.polynomial.coefficients, rtol=1e-9, atol=1e-12)
 
 
 class Indifferent(LastDegree):

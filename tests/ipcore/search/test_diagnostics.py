@@ -8,9 +8,9 @@ from ipcore.fitting import choose_linear_fitter
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.validation import check
 from ipcore.search.closeness import closeness
+from ipcore.search.criteria import stopping_criterion
 from ipcore.search.degree_search import Candidate, DegreeSearch
 from ipcore.search.diagnostics import diagnose
-from ipcore.search.stopping import stopping_criterion
 
 OPTIONS = FitOptions.of(geometric=False, criterion="none", measure_zero_set=False)
 
@@ -44,8 +44,10 @@ def test_points_without_weight_are_the_outliers_and_do_not_count() -> None:
     weights = np.where(np.arange(200) < 30, 0.0, 1.0)
     f = best.fit.polynomial
     robust = replace(best, fit=replace(best.fit, weights=weights))
-    found = diagnose(robust, f.to_chebyshev(), data, OPTIONS, None)
+    found = diagnose(robust, f.to_chebyshev(), data, replace(OPTIONS, geometric=True, robust=True), None)
     assert found.outliers == 0.15
+    before = diagnose(robust, f, replace(data, outliers=50), replace(OPTIONS, geometric=True, robust=True), None)
+    assert before.outliers == (30 + 50) / (200 + 50)
     assert found.d_dist == pytest.approx(np.abs(f.distance(data.points[30:])).mean(), rel=1e-9)
     assert found.d_dist == pytest.approx(closeness(f, data, weights).d_dist, rel=1e-9)
 

@@ -1,97 +1,35 @@
 """The zero set against what is known of circles, spheres, tori and their products."""
 
 from collections.abc import Callable
-from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
 
 from ipcore import shapes
-from ipcore._typing import BoolArray, FloatArray, IntArray
+from ipcore._typing import FloatArray
 from ipcore.errors import InvalidOptionsError, InvalidPointsError
-from ipcore.polynomial import graded
-from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.extraction import extract
 from ipcore.zero_set.mesh import cell_vectors
 from ipcore.zero_set.newton import polish
-from ipcore.zero_set.support import SUPPORT_RADII, support_radius
-from ipcore.zero_set.zero_set import ZeroSet, zero_set
+from ipcore.zero_set.zero_set import zero_set
 from tests.ipcore.bumps import bumpy
-
-EPS = float(np.finfo(float).eps)
-SQUARE = np.array([[-2.0, -2.0], [2.0, 2.0]])
-CUBE = np.array([[-1.5] * 3, [1.5] * 3])
-
-SPHERE, TORUS, CIRCLE = shapes.sphere().polynomial, shapes.torus(1.0, 0.4).polynomial, shapes.circle().polynomial
-
-
-def polynomial(terms: dict[tuple[int, ...], float], bounds: FloatArray) -> ImplicitPolynomial:
-    degree, d = max(map(sum, terms)), bounds.shape[1]
-    a = np.zeros(graded.count(d, degree))
-    a[graded.column(np.array(list(terms)))] = list(terms.values())
-    return ImplicitPolynomial(degree, a, Frame(np.zeros(d), 1.0), bounds)
-
-
-def product(p: ImplicitPolynomial, q: ImplicitPolynomial, bounds: FloatArray) -> ImplicitPolynomial:
-    terms: dict[tuple[int, ...], float] = {}
-    for a, u in zip(p.coefficients, p.exponents, strict=True):
-        for b, v in zip(q.coefficients, q.exponents, strict=True):
-            key = tuple((u + v).tolist())
-            terms[key] = terms.get(key, 0.0) + float(a * b)
-    return polynomial(terms, bounds)
-
-
-def moved(p: ImplicitPolynomial, shift: float, scale: float) -> ImplicitPolynomial:
-    """Return p after x → scale · x + shift."""
-    return ImplicitPolynomial(
-        p.degree, p.coefficients, Frame(p.frame.centre * scale + shift, scale), p.bounds * scale + shift
-    )
-
-
-def size(z: ZeroSet) -> float:
-    return float(np.linalg.norm(z.cell_normals(), axis=1).sum())
-
-
-def content(z: ZeroSet) -> float:
-    """Return the area or volume within, by the divergence theorem: negative if cells face inward."""
-    middle = z.vertices[z.cells].mean(axis=1)
-    return float((middle * z.cell_normals()).sum()) / z.dimension
-
-
-def directed_edges(cells: IntArray) -> list[tuple[int, int]]:
-    return [(int(a), int(b)) for k in range(3) for a, b in zip(cells[:, k], cells[:, (k + 1) % 3], strict=True)]
-
-
-def euler(z: ZeroSet) -> int:
-    edges = {frozenset(edge) for edge in directed_edges(z.cells)}
-    return len(z.vertices) - len(edges) + len(z.cells)
-
-
-def watertight(z: ZeroSet) -> bool:
-    """Return whether every edge is used once in either direction, or every vertex of a curve entered and left once."""
-    if z.dimension == 2:
-        return bool((np.sort(z.cells[:, 0]) == np.sort(z.cells[:, 1])).all())
-    edges = directed_edges(z.cells)
-    return len(set(edges)) == len(edges) and {(b, a) for a, b in edges} == set(edges)
-
-
-def on_wall(z: ZeroSet, bounds: FloatArray) -> BoolArray:
-    """Return which cells lie on a wall of the box."""
-    corners = z.vertices[z.cells]
-    walls = [(corners[:, :, axis] == side[axis]).all(axis=1) for axis in range(z.dimension) for side in bounds]
-    return np.asarray(np.any(walls, axis=0))
-
-
-def ring(count: int, start: float = 0.0, stop: float = 2.0 * np.pi) -> FloatArray:
-    t = np.linspace(start, stop, count, endpoint=False)
-    return np.stack([np.cos(t), np.sin(t)], axis=1)
-
-
-def rates(errors: list[float]) -> list[float]:
-    return [float(np.log2(coarse / fine)) for coarse, fine in pairwise(errors)]
+from tests.ipcore.zero_set.measures import (
+    CIRCLE,
+    CUBE,
+    EPS,
+    SPHERE,
+    SQUARE,
+    TORUS,
+    content,
+    euler,
+    moved,
+    on_wall,
+    polynomial,
+    rates,
+    size,
+    watertight,
+)
 
 
 @pytest.mark.parametrize("shape", [*shapes.CURVES, *shapes.SURFACES])
@@ -219,86 +157,6 @@ def test_the_outside_of_a_ball_is_the_box_with_a_hole(p: ImplicitPolynomial, bou
     assert whole.components == bare.components == 1
 
 
-@pytest.mark.parametrize(("drop", "components"), [(0.0, 2), (0.5, 1)])
-def test_components_of_two_circles(drop: float, components: int) -> None:
-    left, right = (
-        polynomial({(0, 0): 1.25**2 - 1, (1, 0): sign * 2.5, (2, 0): 1, (0, 2): 1}, SQUARE) for sign in (1, -1)
-    )
-    both = product(left, right, 1.5 * SQUARE)
-    both.coefficients[0] -= drop  # at the origin, half way, the product is 0.5625² = 0.316
-    assert zero_set(both).components == components
-
-
-def test_vertices_of_two_circles_lie_in_two_components_and_a_vertex_of_no_cell_in_its_own() -> None:
-    left, right = (polynomial({(0, 0): 1.25**2 - 1, (1, 0): s * 2.5, (2, 0): 1, (0, 2): 1}, SQUARE) for s in (1, -1))
-    z = zero_set(product(left, right, 1.5 * SQUARE))
-    component = z.vertex_components()
-    east = z.vertices[:, 0] > 0.0
-    assert len(np.unique(component[east])) == len(np.unique(component[~east])) == 1
-    assert len(np.unique(component)) == 2
-    one = replace(z, cells=z.cells[east[z.cells[:, 0]]])
-    assert len(np.unique(one.vertex_components())) == 1 + (~east).sum()
-
-
-def test_cells_near_the_data_are_those_that_a_restricted_zero_set_keeps() -> None:
-    data = ring(300, -0.5, np.pi)
-    whole, part = zero_set(CIRCLE, restrict=False), zero_set(CIRCLE, data=data)
-    near = whole.cells_near(data)
-    assert 0 < near.sum() == len(part.cells) < len(whole.cells)
-    assert np.isclose(np.linalg.norm(whole.cell_normals()[near], axis=1).sum(), size(part), rtol=1e-14)
-
-
-def test_components_do_not_join_along_the_box() -> None:
-    lines = polynomial({(0, 0): -1.0, (2, 0): 1.0}, SQUARE)  # x = ±1, the inside between them
-    z = zero_set(lines)
-    assert z.components == 2
-    assert len(z.polylines()) == 1
-    assert len(zero_set(lines, cap=False).polylines()) == 2
-
-
-def test_stray_is_the_share_of_a_far_line() -> None:
-    line = polynomial({(0, 0): -1.8, (1, 0): 1.0}, SQUARE)
-    both, data = product(CIRCLE, line, SQUARE), ring(400)
-    z = zero_set(both, data=data)
-    assert z.stray == pytest.approx(4.0 / (4.0 + 2.0 * np.pi), rel=1e-4)
-    assert z.components == 2
-    (kept,) = z.polylines()
-    assert (kept[0] == kept[-1]).all()
-    assert size(z) == pytest.approx(2.0 * np.pi, rel=1e-4)
-    everything = zero_set(both, data=data, restrict=False, cap=False)
-    assert everything.stray == z.stray
-    assert size(everything) == pytest.approx(4.0 + 2.0 * np.pi, rel=1e-4)
-
-
-def test_restriction_to_part_of_a_circle_leaves_one_open_line_within_the_support_radius() -> None:
-    data = ring(300, -0.5, np.pi)  # across the angle 0, where the extracted contour may begin
-    z = zero_set(CIRCLE, data=data)
-    (arc,) = z.polylines()
-    radius = support_radius(data, Frame.of(data).scale)
-    assert z.stray == pytest.approx(1.0 - (np.pi + 0.5 + 4.0 * np.arcsin(radius / 2.0)) / (2.0 * np.pi), abs=5e-3)
-    assert (arc[0] != arc[-1]).any()
-    assert len(arc) == len(z.vertices) == len(z.cells) + 1
-    distance, _ = cKDTree(data).query(z.vertices[z.cells].mean(axis=1))
-    assert np.max(distance) <= radius
-
-
-@pytest.mark.parametrize("whole", [True, False])
-def test_restriction_keeps_a_cap_only_if_its_rim_stays(whole: bool) -> None:  # noqa: FBT001 - a parameter of the test
-    bounds = np.array([[0.0, -1.5, -1.5], [1.5] * 3])
-    data, _ = shapes.sphere().sample(4000)
-    data = data[data[:, 0] > -0.2] if whole else data[(data[:, 0] > -0.2) & (data[:, 1] > 0.0)]
-    z = zero_set(SPHERE, bounds, 48, data=data)
-    assert z.stray == (0.0 if whole else pytest.approx(0.45, abs=0.05))
-    assert watertight(z) == whole == on_wall(z, bounds).any()
-
-
-@pytest.mark.parametrize(("count", "expected"), [(1000, SUPPORT_RADII[2]), (12, 2.5 * 2.0 * np.sin(np.pi / 12))])
-def test_the_support_radius_is_a_share_of_the_mean_radius_or_some_spacings(count: int, expected: float) -> None:
-    data = ring(count)
-    assert support_radius(data, 1.0) == pytest.approx(expected, rel=1e-12)
-    assert support_radius(37.0 * data + 1000.0, 37.0) == pytest.approx(37.0 * expected, rel=1e-12)
-
-
 def test_polylines_have_the_inside_on_their_left() -> None:
     annulus = polynomial({(0, 0): 0.25, (2, 0): -1.25, (0, 2): -1.25, (4, 0): 1, (2, 2): 2, (0, 4): 1}, SQUARE)
     areas = []
@@ -333,12 +191,12 @@ def test_cells_are_near_cubic_in_an_oblong_box() -> None:
 
 @pytest.mark.parametrize("value", [1.0, -1.0])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_no_zero_set_is_empty_and_all_stray(dimension: int, value: float) -> None:
+def test_no_zero_set_is_empty_and_neither_stray_nor_thin(dimension: int, value: float) -> None:
     bounds = np.array([[-1.0] * dimension, [1.0] * dimension])
     constant = polynomial({(0,) * dimension: value}, bounds)
     z = zero_set(constant, data=np.eye(dimension))
     assert (z.vertices.shape, z.cells.shape, z.normals.shape) == ((0, dimension),) * 3
-    assert (z.components, z.stray) == (0, 1.0)
+    assert (z.components, z.stray, z.thin, z.warning) == (0, None, None, None)
     assert zero_set(constant).stray is None
     assert dimension == 3 or z.polylines() == []
 

@@ -9,7 +9,7 @@ from hypothesis import settings
 
 from service.formats.points import decode
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
 from tests.service.bodies import Array, ellipse, sphere
 
@@ -19,7 +19,7 @@ NAMES = ("x", "y", "z", "nx", "ny", "nz")
 QUICK = settings(deadline=None, max_examples=60)
 
 
-def read(content: bytes, kind: str = "npy", columns: str | None = None, missing: Missing = "refuse") -> PointSet:
+def read(content: bytes, kind: str = "npy", columns: str | None = None, missing: Missing = "refuse") -> ReceivedPoints:
     return decode.read(content, kind, 1000, columns=columns, missing=missing)
 
 
@@ -46,7 +46,7 @@ def records(table: Array, names: list[str], kinds: list[str], more: list[tuple[s
     return made
 
 
-def gives(found: PointSet, points: Array, normals: Array | None = None, within: float = 1e-15) -> bool:
+def gives(found: ReceivedPoints, points: Array, normals: Array | None = None, within: float = 1e-15) -> bool:
     x, n = decode.split(found.content, found.dimension)
     if (n is None) != (normals is None):
         return False

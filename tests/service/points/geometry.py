@@ -7,7 +7,7 @@ from hypothesis import settings
 
 from service.formats.points import decode
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from tests.service.bodies import Array, sphere
 
 BALL = sphere(30)
@@ -16,7 +16,7 @@ VERTICES, FACES = np.asarray(MESH.vertices), np.asarray(MESH.faces)
 QUICK = settings(deadline=None, max_examples=40)
 
 
-def read(content: bytes | str, kind: str, most: int = 1000) -> PointSet:
+def read(content: bytes | str, kind: str, most: int = 1000) -> ReceivedPoints:
     return decode.read(content.encode() if isinstance(content, str) else content, kind, most)
 
 
@@ -26,7 +26,7 @@ def refused(content: bytes | str, kind: str) -> str:
     return str(caught.value)
 
 
-def gives(found: PointSet, points: Array, normals: Array | None = None, within: float = 1e-9) -> bool:
+def gives(found: ReceivedPoints, points: Array, normals: Array | None = None, within: float = 1e-9) -> bool:
     x, n = decode.split(found.content, found.dimension)
     if (n is None) != (normals is None) or x.shape != points.shape:
         return False

@@ -6,7 +6,7 @@ from hypothesis import settings
 
 from service.formats.points import decode
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
 from tests.service.bodies import Array, ellipse, sphere
 
@@ -16,7 +16,9 @@ NAMES = ("x", "y", "z", "nx", "ny", "nz")
 QUICK = settings(deadline=None, max_examples=60)
 
 
-def read(text: str | bytes, columns: str | None = None, missing: Missing = "refuse", most: int = 1000) -> PointSet:
+def read(
+    text: str | bytes, columns: str | None = None, missing: Missing = "refuse", most: int = 1000
+) -> ReceivedPoints:
     content = text if isinstance(text, bytes) else text.encode()
     return decode.read(content, "csv", most, columns=columns, missing=missing)
 
@@ -35,7 +37,7 @@ def text(rows: list[str], end: str = "\n") -> str:
     return "".join(row + end for row in rows)
 
 
-def gives(found: PointSet, points: Array, normals: Array | None = None) -> bool:
+def gives(found: ReceivedPoints, points: Array, normals: Array | None = None) -> bool:
     x, n = decode.split(found.content, found.dimension)
     if (n is None) != (normals is None):
         return False

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from service.formats.points import decode, files
+from service.formats.points import by_ending, decode
 from service.jobs.errors import InvalidInputError
 
 PAGE = (Path(__file__).parents[3] / "docs" / "input.md").read_text(encoding="utf-8")
@@ -48,9 +48,9 @@ def test_each_example_is_read_as_the_page_says(kind: str, content: str, options:
 
 def test_the_page_lists_every_ending_that_is_read() -> None:
     listed = [ending for _, names, _ in rows("Formats") for ending in re.findall(r"`(\.\w+)`", names)]
-    assert sorted(listed) == sorted(files.ENDINGS)
+    assert sorted(listed) == sorted(by_ending.ENDINGS)
 
 
 def test_each_way_to_settle_the_columns_has_an_example() -> None:
     kinds = {kind for kind, _, _, _ in EXAMPLES}
-    assert kinds == {ending[1:] for ending in files.ENDINGS} - {"npy", "npz", "stl", "glb"}  # which are no text
+    assert kinds == {ending[1:] for ending in by_ending.ENDINGS} - {"npy", "npz", "stl", "glb"}  # which are no text

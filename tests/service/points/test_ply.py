@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from service.formats.points import decode
 from service.jobs.errors import InvalidInputError, MalformedInputError, TooLargeError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from tests.service.bodies import Array, ellipse, sphere
 
 BALL = sphere(30)
@@ -68,7 +68,7 @@ def named(table: Array, names: tuple[str, ...] = NAMES) -> dict[str, Array]:
     return {name: table[:, i] for i, name in enumerate(names[: table.shape[1]])}
 
 
-def read(content: bytes, most: int = 1000, **options: Any) -> PointSet:  # noqa: ANN401 - of decode.read
+def read(content: bytes, most: int = 1000, **options: Any) -> ReceivedPoints:  # noqa: ANN401 - of decode.read
     return decode.read(content, "ply", most, **options)
 
 
@@ -78,7 +78,7 @@ def refused(content: bytes) -> str:
     return str(caught.value)
 
 
-def gives(found: PointSet, points: Array, normals: Array | None = None) -> bool:
+def gives(found: ReceivedPoints, points: Array, normals: Array | None = None) -> bool:
     x, n = decode.split(found.content, found.dimension)
     if (n is None) != (normals is None):
         return False

@@ -4,13 +4,15 @@ from pathlib import Path
 
 from service.formats.points import decode
 from service.jobs.errors import MalformedInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
 
 ENDINGS = tuple(f".{kind}" for kind in decode.READERS)
 
 
-def read_file(path: Path, max_points: int, *, columns: str | None = None, missing: Missing = "refuse") -> PointSet:
+def read_file(
+    path: Path, max_points: int, *, columns: str | None = None, missing: Missing = "refuse"
+) -> ReceivedPoints:
     """Read and check the point set in a file of the kind that its ending names; see `decode.read`.
 
     Raises

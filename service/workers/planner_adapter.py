@@ -2,13 +2,13 @@
 
 import ipcore
 from service.jobs.errors import InvalidInputError
-from service.jobs.fit import PointSet
+from service.jobs.fit import ReceivedPoints
 
 
 class FitPlanner:
     """The planner that the use cases are given."""
 
-    def plan(self, points: PointSet, options: ipcore.FitOptions) -> ipcore.Plan:
+    def plan(self, points: ReceivedPoints, options: ipcore.FitOptions) -> ipcore.Plan:
         """Return what a fit of these points with these options will take.
 
         Raises

@@ -18,6 +18,7 @@ import numpy as np
 
 from ipcore.options.choices import Criterion
 from ipcore.options.fit_options import FitOptions
+from ipcore.search.coverage import LEAST_COVERAGE
 from ipcore.search.fitter import PrefixFit
 from ipcore.search.result import Step
 from ipcore.search.stop_reason import StopReason
@@ -31,6 +32,7 @@ DEGREES_PAST_MINIMUM = 3
 # set come first, then those whose zero set was checked and corrected. Linear fits are not checked (None), so among them
 # it changes no order.
 NOT_QUIET_PENALTY = {True: 0.0, False: 1e6, None: 2e6}
+NOT_COVERED_PENALTY = 4e6  # the same for a fit without zeros near the data, which is worse than all others
 
 
 class StoppingCriterion(ABC):
@@ -67,23 +69,25 @@ class StoppingCriterion(ABC):
         """Return why to stop after this step, or None to go on; `best` has the least score so far."""
 
 
-class Distance(StoppingCriterion):
+class PaperRule(StoppingCriterion):
     """The paper's rule (7): the first fit that is close and smooth enough, else the one nearest to it.
 
-    Under sign constraints the zero set must be quiet, too; every quiet fit is better than all others.
+    Under sign constraints the zero set must be quiet, too; every quiet fit is better than all others. And the data must
+    have zeros of f near them: f can be small and smooth at all of them without any zero.
     """
 
     def score(self, step: Step) -> float:
-        """Return the excess over the rule, with the penalty of a zero set that is not known to be quiet."""
-        return self.rule.excess(step.d_dist, step.d_smooth) + NOT_QUIET_PENALTY[step.quiet]
+        """Return the excess over the rule, with the penalties of a zero set that is not quiet or not at the data."""
+        excess = self.rule.excess(step.d_dist, step.d_smooth) + NOT_QUIET_PENALTY[step.quiet]
+        return excess if _covers(step) else excess + NOT_COVERED_PENALTY
 
     def verdict(self, step: Step, best: Step) -> StopReason | None:  # noqa: ARG002 - the rule compares no fits
         """Stop when the rule is met."""
-        met = self.rule.met(step.d_dist, step.d_smooth) and step.quiet is not False
+        met = self.rule.met(step.d_dist, step.d_smooth) and step.quiet is not False and _covers(step)
         return StopReason.CRITERION_MET if met else None
 
 
-class Minimum(StoppingCriterion):
+class EstimatedErrorMinimum(StoppingCriterion):
     """The minimum over the degrees of an estimated error."""
 
     def verdict(self, step: Step, best: Step) -> StopReason | None:
@@ -91,7 +95,7 @@ class Minimum(StoppingCriterion):
         return StopReason.CRITERION_MINIMUM if step.degree >= best.degree + DEGREES_PAST_MINIMUM else None
 
 
-class GeneralisedCrossValidation(Minimum):
+class GeneralisedCrossValidation(EstimatedErrorMinimum):
     """The minimum of GCV, which every step has."""
 
     def score(self, step: Step) -> float:
@@ -99,7 +103,7 @@ class GeneralisedCrossValidation(Minimum):
         return step.gcv
 
 
-class BayesianInformation(Minimum):
+class BayesianInformation(EstimatedErrorMinimum):
     """The minimum of BIC."""
 
     def record(self, step: Step, fit: PrefixFit) -> Step:
@@ -111,7 +115,7 @@ class BayesianInformation(Minimum):
         return _known(step.bic)
 
 
-class LeaveOneOut(Minimum):
+class LeaveOneOut(EstimatedErrorMinimum):
     """The minimum of LOO, which a fit that holds Q computes."""
 
     def record(self, step: Step, fit: PrefixFit) -> Step:
@@ -160,6 +164,11 @@ def bic(rows: int, degrees_of_freedom: float, rss: float) -> float:
     return float(rows * np.log(max(rss / rows, np.finfo(float).tiny)) + degrees_of_freedom * np.log(rows))
 
 
+def _covers(step: Step) -> bool:
+    """Return whether the zero set is near the data, as far as that was checked."""
+    return step.coverage is None or step.coverage >= LEAST_COVERAGE
+
+
 def _known(value: float | None) -> float:
     """Return a value that `record` has put into the step."""
     if value is None:
@@ -168,7 +177,7 @@ def _known(value: float | None) -> float:
 
 
 _CRITERIA: dict[Criterion, type[StoppingCriterion]] = {
-    Criterion.DISTANCE: Distance,
+    Criterion.DISTANCE: PaperRule,
     Criterion.GCV: GeneralisedCrossValidation,
     Criterion.BIC: BayesianInformation,
     Criterion.LOO: LeaveOneOut,

@@ -10,7 +10,7 @@ import orjson
 import trimesh
 
 from service.formats.points import faces
-from service.formats.points.raw import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
+from service.formats.points.reading import Array, RawPoints, ReadOptions, check_count, check_no_columns, shortened
 from service.jobs.errors import MalformedInputError
 
 ENTRIES_PER_POINT = 24  # of a GLB's accessors for each point: indices of faces, normals, colours, texture coordinates
