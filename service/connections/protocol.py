@@ -11,6 +11,7 @@ from functools import partial
 from http import HTTPStatus
 from typing import Any
 
+from uvicorn._types import ASGI3Application
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResponseCycle
 
 from service.connections.census import Census
@@ -24,6 +25,7 @@ METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OP
 _REQUEST_LINE = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]{1,64}) \S")
 # Seconds between two looks at the pace of a connection.
 LOOK_SECONDS = 1.0
+LINGER_SECONDS = 1.0  # from an answer that refuses a request to the end of its connection
 
 
 def guarded(limits: ConnectionLimits) -> Any:  # noqa: ANN401 - uvicorn calls what it takes for a class
@@ -40,16 +42,17 @@ class GuardedProtocol(HttpToolsProtocol):
         self._limits, self._census = limits, census
         self._address = ""
         self._refusal: Refusal | None = None
-        self._in_head = self._in_body = self._began = False
+        self._counted = self._in_head = self._in_body = self._began = False
         self._head_bytes = self._idle_bytes = 0  # of the head so far; and those after it that brought no body
         self._pace = Pace(limits)
+        self._running: RequestResponseCycle | None = None
         self._look: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as uvicorn's
         """Start a connection, or refuse it if there are too many."""
         super().connection_made(transport)
         self._address = self.client[0] if self.client else ""
-        reason = self._census.enter(self._address)
+        reason, self._counted = self._census.enter(self._address), True
         if reason is not None:
             self._refuse(Refusal(HTTPStatus.SERVICE_UNAVAILABLE, reason, retry_after=10))
             return
@@ -58,10 +61,16 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End a connection."""
-        self._census.leave(self._address)
+        self._leave()
         if self._look is not None:
             self._look.cancel()
         super().connection_lost(exc)
+
+    def _leave(self) -> None:
+        """Count the connection as ended, once."""
+        if self._counted:
+            self._census.leave(self._address)
+        self._counted = False
 
     def data_received(self, data: bytes) -> None:
         """Parse data, and count what belongs to a head or is no part of a body."""
@@ -145,9 +154,21 @@ class GuardedProtocol(HttpToolsProtocol):
             self._slow("a body that arrives too slowly", "the body of the request arrives too slowly")
         elif self._pace.reader_is_late(now, self.transport.get_write_buffer_size()):
             self._census.log("closed: a response that is not read", self._address)
-            self.transport.abort()
+            self._abort()
         else:
             self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
+
+    def _start_asgi_task(self, cycle: RequestResponseCycle, app: ASGI3Application) -> None:
+        """Start the application for one request."""
+        self._running = cycle
+        super()._start_asgi_task(cycle, app)
+
+    def _abort(self) -> None:
+        """Close the connection at once; the application must then not go on to write."""
+        if self._running is not None:
+            self._running.disconnected = True
+        self.pipeline.clear()
+        self.transport.abort()
 
     def _slow(self, kind: str, detail: str) -> None:
         """Close the connection of a slow peer; answer it only if it sent a part of a request and has no answer yet."""
@@ -155,7 +176,9 @@ class GuardedProtocol(HttpToolsProtocol):
         if (self._in_head or self._in_body) and self._may_answer():
             self._refusal = Refusal(HTTPStatus.REQUEST_TIMEOUT, detail)
             self.transport.write(self._refusal.response())
-        self.transport.close()
+            self._close_when_read()
+        else:
+            self.transport.close()
 
     def _is_answered(self) -> bool:
         """Return whether the application has sent the whole response to the last request that it got."""
@@ -203,7 +226,22 @@ class GuardedProtocol(HttpToolsProtocol):
         self._census.log(f"refused: {refusal.detail}", self._address)
         if self._may_answer():
             self.transport.write(refusal.response())
-        self.transport.close()
+            self._close_when_read()
+        else:
+            self.transport.close()
+
+    def _close_when_read(self) -> None:
+        """Say that nothing more comes, and close a little later.
+
+        If a socket is closed while data wait in it that were not read, the system resets the connection, and the peer
+        may never see the answer. What still arrives is dropped, and the connection does not count any more.
+        """
+        if self.transport.is_closing():
+            return
+        self._leave()
+        if self.transport.can_write_eof():
+            self.transport.write_eof()
+        self.loop.call_later(LINGER_SECONDS, self.transport.close)
 
 
 def _unknown(method: bytes) -> Refusal:
