@@ -14,6 +14,9 @@ from service.choices import OneOf
 from service.jobs.errors import InvalidInputError, json_pointer
 from service.jobs.requested_options import RequestedOptions
 
+# Options in a body are counted before they are looked at, and a long name is not repeated in the answer.
+MOST_OPTIONS, LONGEST_NAME = 50, 64
+
 
 class FitOptions(BaseModel):
     """The options of a fit. Distances are in mean radii: the mean distance of the points from their centroid."""
@@ -173,6 +176,7 @@ def requested(body: dict[str, Any], query: dict[str, Any] | None = None) -> Requ
         If an option is unknown, has a value that is not allowed, or contradicts another; `at` names it.
 
     """
+    _check_names(body)
     try:
         given = FitOptions.model_validate(body, strict=True).model_dump(exclude_unset=True)
     except ValidationError as error:
@@ -180,6 +184,24 @@ def requested(body: dict[str, Any], query: dict[str, Any] | None = None) -> Requ
         at = ("options", *first["loc"])
         raise InvalidInputError(f"{json_pointer(at)}: {first['msg']}", at) from error
     return agreeing({**given, **(query or {})})
+
+
+def _check_names(body: dict[str, Any]) -> None:
+    """Refuse more options than are looked at, and names that are longer than any option's.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are.
+
+    """
+    if len(body) > MOST_OPTIONS:
+        raise InvalidInputError(f"{len(body)} options are more than the {MOST_OPTIONS} that are allowed", ("options",))
+    long = next((name for name in body if len(name) > LONGEST_NAME), None)
+    if long is not None:
+        raise InvalidInputError(
+            f"there is no option with a name of {len(long)} characters", ("options", f"{long[:LONGEST_NAME]}…")
+        )
 
 
 def agreeing(given: dict[str, Any]) -> RequestedOptions:

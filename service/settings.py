@@ -14,6 +14,26 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    forwarded_allow_ips: str = Field(
+        "127.0.0.1",
+        description="Addresses of reverse proxies whose `X-Forwarded-For` and `X-Forwarded-Proto` are believed, with "
+        "commas between; `*` believes everybody.",
+    )
+    root_path: str = Field(
+        "",
+        pattern=r"^(/[A-Za-z0-9._~-]+)*$",
+        description="The prefix, such as `/ipfit`, that a reverse proxy removes from paths; links then begin with it.",
+    )
+    max_connections: int | None = Field(
+        None, ge=16, description="Connections that may be open at once; by default as many as files may be."
+    )
+    head_timeout: float = Field(10.0, gt=0, description="Seconds in which the head of a request has to arrive.")
+    stall_timeout: float = Field(
+        30.0,
+        gt=0,
+        description="Seconds after which a connection is closed whose body arrives, or whose response is taken, at "
+        "less than 1 kB/s.",
+    )
     database_url: str | None = Field(
         None,
         pattern="^postgres(ql)?://",

@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable
 from email.message import Message
+from functools import lru_cache
 from http import HTTPStatus
 
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
 from service.jobs.media_types import JSON, POINT_SET_FORMATS, ZERO_SET_FORMATS, ZeroSetFormat, zero_set_formats
+
+MOST_RANGES = 64  # of an Accept header that count: browsers send some ten
 
 
 def point_set_format(request: Request, named: str | None) -> str:
@@ -97,12 +100,20 @@ def quality(accept: str, name: str) -> float:
     (0.5, 0.0)
     """
     best = (-1, 0.0)
-    for part in accept.lower().split(","):
-        pattern, *parameters = (piece.strip() for piece in part.split(";"))
+    for pattern, weight in _ranges(accept):
         fits = {"*/*": 0, name.split("/", maxsplit=1)[0] + "/*": 1, name: 2}.get(pattern)
         if fits is not None and fits > best[0]:
-            best = (fits, _weight(parameters))
+            best = (fits, weight)
     return best[1]
+
+
+@lru_cache(maxsize=64)
+def _ranges(accept: str) -> list[tuple[str, float]]:
+    """Return the media ranges of an Accept header with their qualities, at most `MOST_RANGES`: the first ones."""
+    parts = [
+        [piece.strip() for piece in part.split(";")] for part in accept.lower().split(",", MOST_RANGES)[:MOST_RANGES]
+    ]
+    return [(pattern, _weight(parameters)) for pattern, *parameters in parts]
 
 
 def _weight(parameters: Iterable[str]) -> float:

@@ -25,13 +25,19 @@ def fit_response(
     """Return a response with a fit as JSON and a strong ETag; 304 if the caller has it already."""
     body = orjson.dumps(as_dict(fit, progress), option=orjson.OPT_UTC_Z)
     etag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
-    sent = {"ETag": etag, "Content-Location": f"/v1/fits/{fit.id}", **(headers or {})}
+    sent = {"ETag": etag, "Content-Location": fit_path(request, fit.id), **(headers or {})}
     if not fit.status.final:
         sent["Retry-After"] = "1"
     cached = request.headers.get("if-none-match", "")
     if request.method == "GET" and (etag in cached or cached.strip() == "*"):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
     return Response(body, status, sent, "application/json")
+
+
+def fit_path(request: Request, fit_id: str) -> str:
+    """Return the path of a fit as the caller knows it: behind a proxy that removes a prefix, it begins with that."""
+    root: str = request.scope.get("app_root_path", request.scope.get("root_path", ""))
+    return f"{root}/v1/fits/{fit_id}"
 
 
 def zero_set_response(

@@ -2,5 +2,6 @@
 
 from service.bootstrap.application import application, drain, end_drain
 from service.bootstrap.cluster import work
+from service.bootstrap.components import connection_limits
 
-__all__ = ["application", "drain", "end_drain", "work"]
+__all__ = ["application", "connection_limits", "drain", "end_drain", "work"]

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from uuid import uuid4
 
 from service.api.limits import Limits
+from service.connections.limits import ConnectionLimits
 from service.formats.points.reader import PointSetReader
 from service.formats.zero_set.exporter import MeshExporter
 from service.jobs.fit import MAX_CRASHES
@@ -75,4 +76,14 @@ def limits(settings: Settings) -> Limits:
         resolution={2: settings.max_resolution_2d, 3: settings.max_resolution_3d},
         system_bytes=settings.max_system_bytes,
         wait=settings.max_wait,
+    )
+
+
+def connection_limits(settings: Settings) -> ConnectionLimits:
+    """Return the limits on the connections of this process."""
+    return ConnectionLimits.for_process(
+        head_seconds=settings.head_timeout,
+        stall_seconds=settings.stall_timeout,
+        connections=settings.max_connections,
+        trusted=frozenset(part.strip() for part in settings.forwarded_allow_ips.split(",")),
     )

@@ -15,8 +15,9 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.bootstrap import application, drain, end_drain
+from service.bootstrap import application, connection_limits, drain, end_drain
 from service.cli.option_texts import table as fit_options
+from service.connections.protocol import guarded
 from service.settings import Settings, table
 
 # Seconds that running requests get to end when the server stops: uploads and exports of zero sets. Requests that wait
@@ -31,7 +32,17 @@ class _Server(uvicorn.Server):
 
     def __init__(self, app: FastAPI, settings: Settings) -> None:
         super().__init__(
-            uvicorn.Config(app, host=settings.host, port=settings.port, timeout_graceful_shutdown=GRACE_SECONDS)
+            uvicorn.Config(
+                app,
+                host=settings.host,
+                port=settings.port,
+                http=guarded(connection_limits(settings)),
+                root_path=settings.root_path,
+                ws="none",
+                server_header=False,
+                forwarded_allow_ips=settings.forwarded_allow_ips,
+                timeout_graceful_shutdown=GRACE_SECONDS,
+            )
         )
         self._app, self._grace, self._drained = app, settings.shutdown_grace, False
 

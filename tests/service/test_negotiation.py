@@ -89,3 +89,10 @@ def test_no_header_breaks_it(header: str) -> None:
         point_set_format(request(content_type=header, content_encoding=header), None)
     except HTTPException as error:
         assert error.status_code == 415  # noqa: PT017 - or none at all
+
+
+def test_of_an_accept_header_the_first_64_ranges_count() -> None:
+    ranges = ["a/b"] * 63
+    assert quality(",".join([*ranges, "model/ply"]), "model/ply") == 1.0
+    assert quality(",".join([*ranges, "a/b", "model/ply"]), "model/ply") == 0.0
+    assert quality("," * 1_000_000, "model/ply") == 0.0

@@ -189,3 +189,16 @@ def test_the_document_has_the_table_of_options() -> None:
 
 def test_the_command_prints_the_table() -> None:
     assert CliRunner().invoke(app, ["options"]).output.strip() == table()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [[f"a{i}" for i in range(51)], [f"a{i}" for i in range(100_000)], ["a" * 65], ["max_degree", "b" * 1_000_000]],
+    ids=["51", "100,000", "65 characters", "a million characters"],
+)
+def test_masses_of_options_are_refused_in_few_words(client: httpx.Client, names: list[str]) -> None:
+    body = {"points": [[0, 0], [1, 0], [0, 1], [1, 1]], "options": dict.fromkeys(names, 3)}
+    answer = client.post("/v1/fits", json=body)
+    assert answer.status_code == 422
+    assert len(answer.content) < 1000
+    assert answer.json()["errors"][0]["pointer"].startswith("/options")

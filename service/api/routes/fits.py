@@ -18,7 +18,7 @@ from service.api.fragments import (
 )
 from service.api.parameters import READING, FitId, FitQuery, client_address, idempotency_key
 from service.api.preferences import DEFAULT_WAIT, Preferences
-from service.api.representation import fit_response, zero_set_response
+from service.api.representation import fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
 from service.jobs.mesh_request import MeshRequest
 from service.options import requested
@@ -61,7 +61,7 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     fit = await fits.get(fit.id, seconds)
-    headers = {"Location": f"/v1/fits/{fit.id}", **preferences.applied(seconds)}
+    headers = {"Location": fit_path(request, fit.id), **preferences.applied(seconds)}
     if not fit.status.final:
         return fit_response(request, fit, await fits.progress(fit), HTTPStatus.ACCEPTED, headers)
     if wanted is not None:

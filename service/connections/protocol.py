@@ -1,0 +1,249 @@
+"""Uvicorn's HTTP protocol, with limits on what a peer may send and on how slowly.
+
+Uvicorn's own parser takes a head of any size, adds the trailers of a chunked body to the headers, takes a request with
+two Hosts or with none, and waits for ever for a peer that is silent, sends a byte a minute or does not read. A request
+that breaks a limit here is answered with problem details where that is possible, and its connection is closed.
+"""
+
+import asyncio
+import re
+from functools import partial
+from http import HTTPStatus
+from typing import Any
+
+from uvicorn._types import ASGI3Application
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResponseCycle
+
+from service.connections.census import Census
+from service.connections.limits import ConnectionLimits
+from service.connections.pace import Pace
+from service.connections.refusal import Refusal
+
+# Methods that HTTP servers know; others are answered with 501 (RFC 9110, 9.1), known ones that a path does not have
+# with 405.
+METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OPTIONS"})
+_REQUEST_LINE = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]{1,64}) \S")
+# Seconds between two looks at the pace of a connection.
+LOOK_SECONDS = 1.0
+LINGER_SECONDS = 1.0  # from an answer that refuses a request to the end of its connection
+
+
+def guarded(limits: ConnectionLimits) -> Any:  # noqa: ANN401 - uvicorn calls what it takes for a class
+    """Return what makes the protocol of each connection of one server, as the `http` of uvicorn's configuration."""
+    return partial(GuardedProtocol, limits=limits, census=Census(limits))
+
+
+class GuardedProtocol(HttpToolsProtocol):
+    """The protocol of one connection."""
+
+    def __init__(self, *given: Any, limits: ConnectionLimits, census: Census, **named: Any) -> None:  # noqa: ANN401 - uvicorn's
+        """Take uvicorn's arguments, and the limits and the census of the server."""
+        super().__init__(*given, **named)
+        self._limits, self._census = limits, census
+        self._address = ""
+        self._refusal: Refusal | None = None
+        self._counted = self._in_head = self._in_body = self._began = False
+        self._head_bytes = self._idle_bytes = 0  # of the head so far; and those after it that brought no body
+        self._pace = Pace(limits)
+        self._running: RequestResponseCycle | None = None
+        self._look: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as uvicorn's
+        """Start a connection, or refuse it if there are too many."""
+        super().connection_made(transport)
+        self._address = self.client[0] if self.client else ""
+        reason, self._counted = self._census.enter(self._address), True
+        if reason is not None:
+            self._refuse(Refusal(HTTPStatus.SERVICE_UNAVAILABLE, reason, retry_after=10))
+            return
+        self._pace.wait_for_head(self.loop.time())
+        self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """End a connection."""
+        self._leave()
+        if self._look is not None:
+            self._look.cancel()
+        super().connection_lost(exc)
+
+    def _leave(self) -> None:
+        """Count the connection as ended, once."""
+        if self._counted:
+            self._census.leave(self._address)
+        self._counted = False
+
+    def data_received(self, data: bytes) -> None:
+        """Parse data, and count what belongs to a head or is no part of a body."""
+        if self._refusal is not None:
+            return
+        self._began, before = False, self._pace.received
+        if not self._in_head and not self._in_body:
+            self._refuse_unknown_method(data)
+        super().data_received(data)
+        if self._in_head and not self._began:
+            self._count_head(len(data))
+        elif self._in_body and self._pace.received == before:  # chunk extensions and trailers
+            self._idle_bytes += len(data)
+            if self._idle_bytes > self._limits.head_bytes:
+                self._refuse(Refusal(HTTPStatus.BAD_REQUEST, "the body's chunks say much and hold nothing"))
+
+    def send_400_response(self, msg: str) -> None:
+        """Answer a request that cannot be parsed, or that a callback of the parser refused."""
+        detail = msg.rstrip(".").lower() if self._refusal is None else ""
+        self._answer(self._refusal or Refusal(HTTPStatus.BAD_REQUEST, detail))
+
+    def on_message_begin(self) -> None:
+        """Start a request."""
+        super().on_message_begin()
+        self._in_head, self._in_body, self._began = True, False, True
+        self._head_bytes = self._idle_bytes = 0
+        self._pace.wait_for_head(self.loop.time())
+
+    def on_url(self, url: bytes) -> None:
+        """Take a part of the request's target."""
+        super().on_url(url)
+        if len(self.url) > self._limits.head_bytes:
+            self._stop(self._too_large())
+
+    def on_header(self, name: bytes, value: bytes) -> None:
+        """Take a header; drop a trailer."""
+        if not self._in_head:
+            return
+        super().on_header(name, value)
+        if len(self.headers) > self._limits.head_fields:
+            self._stop(self._too_large())
+
+    def on_headers_complete(self) -> None:
+        """Check the head, and start the application."""
+        size = len(self.url) + sum(len(name) + len(value) + 4 for name, value in self.headers)
+        if size > self._limits.head_bytes:
+            self._stop(self._too_large())
+        hosts = [value for name, value in self.headers if name == b"host"]
+        if len(hosts) > 1 or (not hosts and self.parser.get_http_version() != "1.0"):
+            self._stop(Refusal(HTTPStatus.BAD_REQUEST, f"a request has one Host, not {len(hosts)}"))
+        if self.parser.get_method() not in METHODS:
+            self._stop(_unknown(self.parser.get_method()))
+        self._in_head, self._in_body = False, True
+        self._pace.wait_for_body(self.loop.time())
+        super().on_headers_complete()
+
+    def on_body(self, body: bytes) -> None:
+        """Take a part of the body."""
+        self._pace.received += len(body)
+        super().on_body(body)
+
+    def on_message_complete(self) -> None:
+        """End a request."""
+        self._in_body = False
+        self._pace.rest()
+        super().on_message_complete()
+
+    def resume_writing(self) -> None:
+        """Note that the peer has taken most of what waited for it."""
+        self._pace.taken += 1
+        super().resume_writing()
+
+    def _look_at_pace(self) -> None:
+        """Close the connection if the peer sends or reads too slowly; else look again."""
+        if self.transport.is_closing():
+            return
+        now = self.loop.time()
+        if self._pace.head_is_late(now) and not self.pipeline:
+            self._slow("a head that does not arrive", "the head of the request did not arrive in time")
+        elif self._in_body and not self._is_answered() and self._pace.body_is_late(now, paused=self.flow.read_paused):
+            self._slow("a body that arrives too slowly", "the body of the request arrives too slowly")
+        elif self._pace.reader_is_late(now, self.transport.get_write_buffer_size()):
+            self._census.log("closed: a response that is not read", self._address)
+            self._abort()
+        else:
+            self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
+
+    def _start_asgi_task(self, cycle: RequestResponseCycle, app: ASGI3Application) -> None:
+        """Start the application for one request."""
+        self._running = cycle
+        super()._start_asgi_task(cycle, app)
+
+    def _abort(self) -> None:
+        """Close the connection at once; the application must then not go on to write."""
+        if self._running is not None:
+            self._running.disconnected = True
+        self.pipeline.clear()
+        self.transport.abort()
+
+    def _slow(self, kind: str, detail: str) -> None:
+        """Close the connection of a slow peer; answer it only if it sent a part of a request and has no answer yet."""
+        self._census.log(f"closed: {kind}", self._address)
+        if (self._in_head or self._in_body) and self._may_answer():
+            self._refusal = Refusal(HTTPStatus.REQUEST_TIMEOUT, detail)
+            self.transport.write(self._refusal.response())
+            self._close_when_read()
+        else:
+            self.transport.close()
+
+    def _is_answered(self) -> bool:
+        """Return whether the application has sent the whole response to the last request that it got."""
+        cycle = self._last_cycle()
+        return cycle is not None and cycle.response_complete
+
+    def _may_answer(self) -> bool:
+        """Return whether a response may be written here: the application is not in the middle of one."""
+        cycle = self._last_cycle()
+        return cycle is None or cycle.response_complete or not cycle.response_started
+
+    def _last_cycle(self) -> RequestResponseCycle | None:
+        return self.cycle
+
+    def _count_head(self, size: int) -> None:
+        self._head_bytes += size
+        if self._head_bytes > self._limits.head_bytes:
+            self._refuse(self._too_large())
+
+    def _too_large(self) -> Refusal:
+        return Refusal(
+            HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE,
+            f"the request line and the headers may have {self._limits.head_bytes} bytes "
+            f"and {self._limits.head_fields} fields together",
+        )
+
+    def _refuse_unknown_method(self, data: bytes) -> None:
+        """Remember the refusal of a method that the parser does not know: it says only that it cannot parse."""
+        line = _REQUEST_LINE.match(data.lstrip(b"\r\n"))
+        if line is not None and line.group(1) not in METHODS:
+            self._refusal = _unknown(line.group(1))
+
+    def _stop(self, refusal: Refusal) -> None:
+        """Stop the parser, from within one of its callbacks; it then calls `send_400_response`."""
+        self._refusal = refusal
+        raise refusal
+
+    def _refuse(self, refusal: Refusal) -> None:
+        """Answer with a refusal, if the request was not answered yet, and close the connection."""
+        self._refusal = refusal
+        self._answer(refusal)
+
+    def _answer(self, refusal: Refusal) -> None:
+        self._refusal = refusal
+        self._census.log(f"refused: {refusal.detail}", self._address)
+        if self._may_answer():
+            self.transport.write(refusal.response())
+            self._close_when_read()
+        else:
+            self.transport.close()
+
+    def _close_when_read(self) -> None:
+        """Say that nothing more comes, and close a little later.
+
+        If a socket is closed while data wait in it that were not read, the system resets the connection, and the peer
+        may never see the answer. What still arrives is dropped, and the connection does not count any more.
+        """
+        if self.transport.is_closing():
+            return
+        self._leave()
+        if self.transport.can_write_eof():
+            self.transport.write_eof()
+        self.loop.call_later(LINGER_SECONDS, self.transport.close)
+
+
+def _unknown(method: bytes) -> Refusal:
+    name = method[:64].decode("ascii", "replace")
+    return Refusal(HTTPStatus.NOT_IMPLEMENTED, f"the method {name} is not known here")
