@@ -30,7 +30,7 @@ SUSPECT_GROWTH = 2  # nodes around a suspect node that are examined with it
 CUT_SLOPE = 0.25  # margin per distance, half of that of the grid's nodes: late constraints must be possible to meet
 LARGEST_CUT_MARGIN = 0.02
 UNKNOWN_SIDE_MARGIN = 0.002  # where no side is known
-VISIBLE_CELLS = 2.0  # a part of the shape that is thicker is visible on a grid, in one piece
+VISIBLE_CELLS = 1.0  # a part of the shape that is thicker is visible on a grid, in one piece
 PATH_SLACK, PATH_TRIALS = 2.0, 20  # cells by which a path may exceed the shortest, and the number of paths tried
 
 # Returns the distance of every node to the main region, in cells, and its nearest node there: see `_to_nearest`.

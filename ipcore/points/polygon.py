@@ -76,11 +76,12 @@ def right_is_outside(p: FloatArray) -> FloatArray:
 def _inside(places: FloatArray, p: FloatArray, steps: FloatArray) -> BoolArray:
     """Return which places (M, 2) are inside the closed polygon p (n, 2) with these edges, by the even-odd rule."""
     ends = np.roll(p, -1, axis=0)
-    rising = np.where(steps[:, 1] == 0.0, 1.0, steps[:, 1])  # an edge along the ray is not crossed
+    rising = np.where(steps[:, 1] == 0.0, 1.0, steps[:, 1])  # an edge along the ray is not crossed; nor …
     out = np.empty(len(places), dtype=np.bool_)
     for start in range(0, len(places), EDGES_TOGETHER):
         x, y = places[start : start + EDGES_TOGETHER].T[:, :, None]
         crossed = (p[:, 1] > y) != (ends[:, 1] > y)
-        at = p[:, 0] + (y - p[:, 1]) * (steps[:, 0] / rising)
+        with np.errstate(over="ignore"):  # … is one that is nearly so, unless y is between its ends
+            at = p[:, 0] + ((y - p[:, 1]) / rising) * steps[:, 0]
         out[start : start + EDGES_TOGETHER] = (crossed & (x < at)).sum(axis=1) % 2 == 1
     return out

@@ -41,7 +41,7 @@ def checked_fit(points: FloatArray, normals: FloatArray | None = None, options: 
     step = 3.0 * options.t1 * f.frame.scale
     near = covered(f, points, step)
     assert found.coverage is not None
-    assert near.mean() >= found.coverage - 0.1  # which counts copies once, and none that this test does not see
+    assert near.mean() >= found.coverage - 0.2  # which counts copies once, and looks in other directions
     if result.stop_reason is StopReason.CRITERION_MET:
         assert found.d_dist < options.t1 * (1.0 + 1e-9)
         assert found.coverage >= 0.9
