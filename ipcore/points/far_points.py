@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ipcore._typing import FloatArray
+from ipcore._typing import BoolArray, FloatArray
 
 # A point is far if its distance from the median point is so many times the median of all these distances. In a needle
 # the greatest is 2 times the median, in 28 sets of real shapes at most 4.
 FAR_RADII = 20.0
-FEWEST, FEW_SHARE = 3, 0.01  # more far points, than this share too, are a part of the shape
-UNIT_FACTOR = 1.5  # by which few points must enlarge the unit to be worth a warning
+FEW_SHARE = 0.1  # more far points are a part of the shape
+UNIT_FACTOR = 1.1  # by which few points must enlarge the unit to be worth a warning
 
 
 def setting_the_unit(points: FloatArray) -> int:
@@ -19,12 +19,18 @@ def setting_the_unit(points: FloatArray) -> int:
     >>> setting_the_unit(circle), setting_the_unit(np.vstack([circle, [[1e6, 0.0]]]))
     (0, 1)
     """
-    distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
-    far = distance > FAR_RADII * float(np.median(distance))
+    far = are_few_and_far(points)
     count = int(far.sum())
-    if not 0 < count <= min(max(FEWEST, FEW_SHARE * len(points)), len(points) / 4):
+    if not count:
         return 0
     return count if _mean_radius(points) > UNIT_FACTOR * _mean_radius(points[~far]) else 0
+
+
+def are_few_and_far(points: FloatArray) -> BoolArray:
+    """Return which points (N, d) are far from all others, (N,); none if these are not few."""
+    distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    far = distance > FAR_RADII * float(np.median(distance))
+    return np.asarray(far & (far.sum() <= max(1.0, FEW_SHARE * len(points))))
 
 
 def _mean_radius(points: FloatArray) -> float:

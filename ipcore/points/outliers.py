@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ipcore._typing import BoolArray, FloatArray
 from ipcore.points import winding
+from ipcore.points.far_points import are_few_and_far
 from ipcore.points.neighbours import nearest
 from ipcore.points.validation import PointSet, check
 
@@ -41,6 +42,8 @@ def crowded(points: FloatArray) -> BoolArray:
 def is_far(points: FloatArray) -> BoolArray:
     """Return which points (N, d) are surely outliers, (N,): far from all others, alone or in a small group.
 
+    Far are places beyond `FAR_SPACINGS` of the shape, and few points that `far_points` finds, whatever their number.
+
     >>> line = np.column_stack([np.arange(50.0), np.zeros(50)])
     >>> is_far(np.vstack([line, [[20.0, 90.0], [20.0, 90.1]]])).nonzero()[0].tolist()
     [50, 51]
@@ -49,10 +52,10 @@ def is_far(points: FloatArray) -> BoolArray:
     median = float(np.median(spacing))
     far = spacing > FAR_SPACINGS * median
     if median == 0.0:
-        return np.zeros(len(points), dtype=np.bool_)
+        return are_few_and_far(points)
     rest = np.flatnonzero(~far)
     far[rest[_in_small_groups(points[rest], FAR_SPACINGS * median)]] = True
-    return np.asarray(far)
+    return np.asarray(far | are_few_and_far(points))
 
 
 def without_outliers(given: PointSet) -> tuple[PointSet, int]:

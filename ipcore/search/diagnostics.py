@@ -42,6 +42,10 @@ def diagnose(
         ],
         data.count,
     )
+    if (
+        components == 0 and covered > 0.0
+    ):  # f has zeros, in a part too small for the finest grid: nothing is known of it
+        stray = components = None
     return Diagnostics(
         d_dist=at_data.d_dist,
         d_smooth=at_data.d_smooth,

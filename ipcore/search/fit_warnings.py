@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ipcore.points.far_points import setting_the_unit
+from ipcore.points.normals import NormalSource
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.winding import self_check
 from ipcore.search.coverage import COVERED_T1, LEAST_COVERAGE
@@ -45,7 +46,11 @@ class DataFindings:
     @classmethod
     def of(cls, data: OrientedPoints, normal_self_check: float) -> "DataFindings":
         """Return what is found of these data; `normal_self_check` is that of the diagnostics."""
-        inward = normal_self_check < 1.0 - TRUSTED_NORMALS and self_check(data.points, -data.normals) >= TRUSTED_NORMALS
+        inward = (
+            data.source is NormalSource.GIVEN
+            and normal_self_check < 1.0 - TRUSTED_NORMALS
+            and self_check(data.points, -data.normals) >= TRUSTED_NORMALS
+        )
         return cls(data.incomplete, setting_the_unit(data.points), inward)
 
 

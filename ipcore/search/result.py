@@ -92,7 +92,7 @@ class Diagnostics:
         Share of the zero set's length or area, within the bounds, that lies away from all data; None if there is no
         zero set, or it was not measured.
     components
-        Connected components of the zero set within the bounds; None if not measured.
+        Connected components of the zero set within the bounds; None if not measured, or too small for the finest grid.
     normal_source
         Where the normals came from: the caller, the order of the outline, or estimation.
     normal_self_check

@@ -42,14 +42,15 @@ def straying(polynomial: ImplicitPolynomial, data: FloatArray) -> tuple[float | 
     share = stray_share(vertices, cells, stray)
     if share is not None and share > WILD_STRAY:
         return share, int(labels(cells, len(vertices)).max()) + 1
-    places = cell_middles(vertices, cells[~stray])
+    resolution, places = first, cell_middles(vertices, cells[~stray])
     if share is None or thin_share(polynomial, places, spacing, polynomial.bounds) > TOLERATED_THIN:
         finer = refined(polynomial, first=2 * first, data=data)
         vertices, cells, spacing = finer.mesh.vertices, finer.mesh.cells[~finer.mesh.cap], finer.spacing
+        resolution = finer.resolution
         share = stray_share(vertices, cells, stray_cells(vertices, cells, data))
     count = count_components(polynomial, vertices, cells, spacing, polynomial.bounds)
     if count > 1:
-        finer = at_resolution(polynomial, None, RECOUNT[polynomial.dimension] * first)
+        finer = at_resolution(polynomial, None, RECOUNT[polynomial.dimension] * resolution)
         surface = finer.mesh.cells[~finer.mesh.cap]
         count = count_components(polynomial, finer.mesh.vertices, surface, finer.spacing, polynomial.bounds)
     return share, count

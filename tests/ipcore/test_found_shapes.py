@@ -37,7 +37,7 @@ def checked_fit(points: FloatArray, normals: FloatArray | None = None, options: 
     found, f = result.diagnostics, result.polynomial
     figures = [found.d_dist, found.d_smooth, found.distance_p95, found.distance_max, found.normal_self_check]
     assert np.isfinite([*figures, *f.coefficients]).all()
-    assert (found.stray is None) == (found.components == 0)
+    assert (found.stray is None) == (not found.components)
     step = 3.0 * options.t1 * f.frame.scale
     near = covered(f, points, step)
     assert found.coverage is not None
@@ -46,8 +46,7 @@ def checked_fit(points: FloatArray, normals: FloatArray | None = None, options: 
         assert found.d_dist < options.t1 * (1.0 + 1e-9)
         assert found.coverage >= 0.9
         assert near.mean() >= 0.8
-        assert found.components is not None
-        assert found.components >= 1
+        assert found.components != 0
     return result
 
 
