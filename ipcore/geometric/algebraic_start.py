@@ -14,14 +14,14 @@ from ipcore.geometric.descent import Descent
 from ipcore.geometric.levenberg_marquardt import Refined
 
 # The highest degree at which it is tried: unions of three conics or quadrics. Above, few noise-free shapes are met.
-HIGHEST_DEGREE = 6
+HIGHEST_EXACT_DEGREE = 6
 # It is taken if its D_dist is so many times less than that of the homotopy, and than t1. On 28 real sets the least
 # quotient was 0.6, on noise-free algebraic shapes the largest 1e-3.
 EXACTNESS = 0.01
 MOST_POINTS = 2000  # from which it is computed, evenly spaced among all; it is compared at all
 # Factors of f of which the best is taken. At the tips of a needle ∇f is much shorter than on its sides, so that f, of
 # slope 1 on average, does not reach the margins of the sign constraints there.
-SCALES = (1.0, 10.0, 100.0, 1000.0)
+SLOPES = (1.0, 10.0, 100.0, 1000.0)
 # Directions of the coefficients in which f and ∇f vanish on all points, against the largest singular value.
 RANK_TOLERANCE = 1e-13
 
@@ -36,12 +36,12 @@ def exact_or(descent: Descent, fit: Refined) -> Refined:
     """
     objective = descent.objective
     limit = EXACTNESS * min(objective.closeness(fit.evaluation)[0], descent.rule.t1)
-    if objective.degree > HIGHEST_DEGREE or limit == 0.0:
+    if objective.degree > HIGHEST_EXACT_DEGREE or limit == 0.0:
         return fit
     a = algebraic_fit(*objective.rows(MOST_POINTS))
     if a is None or objective.closeness(objective.evaluate(a))[0] > limit:
         return fit
-    scaled = [(s * a, objective.evaluate(s * a)) for s in SCALES]
+    scaled = [(s * a, objective.evaluate(s * a)) for s in SLOPES]
     return Refined(*min(scaled, key=lambda one: one[1].value), steps=0)
 
 

@@ -19,7 +19,7 @@ LEAST_COVERAGE = 0.9  # of a fit that meets the stopping rule
 # To first order f has the other sign at twice the distance of the zero set. Where x is on the zero set, to rounding,
 # the step is this, in mean radii.
 LEAST_STEP = 1e-7
-SCALES = (1.0, 0.25, 0.06)  # of h: the steps that are tried where the first-order one shows no change of sign
+STEP_SHARES = (1.0, 0.25, 0.06)  # of h: the steps that are tried where the first-order one shows no change of sign
 
 
 def coverage(
@@ -83,7 +83,7 @@ def _offsets(normals: FloatArray, h: float) -> Iterator[FloatArray]:
     directions = [normals, tangent]
     if normals.shape[1] == 3:
         directions.append(np.cross(normals, tangent))
-    for scale in SCALES:
+    for scale in STEP_SHARES:
         for direction in directions:
             yield scale * h * direction
             yield -scale * h * direction

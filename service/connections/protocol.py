@@ -21,7 +21,7 @@ from service.connections.refusal import Refusal
 
 # Methods that HTTP servers know; others are answered with 501 (RFC 9110, 9.1), known ones that a path does not have
 # with 405.
-METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OPTIONS"})
+KNOWN_METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OPTIONS"})
 _REQUEST_LINE = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]{1,64}) \S")
 # Seconds between two looks at the pace of a connection.
 LOOK_SECONDS = 1.0
@@ -121,7 +121,7 @@ class GuardedProtocol(HttpToolsProtocol):
         hosts = [value for name, value in self.headers if name == b"host"]
         if len(hosts) > 1 or (not hosts and self.parser.get_http_version() != "1.0"):
             self._stop(Refusal(HTTPStatus.BAD_REQUEST, f"a request has one Host, not {len(hosts)}"))
-        if self.parser.get_method() not in METHODS:
+        if self.parser.get_method() not in KNOWN_METHODS:
             self._stop(_unknown(self.parser.get_method()))
         self._in_head, self._in_body = False, True
         self._pace.wait_for_body(self.loop.time())
@@ -208,7 +208,7 @@ class GuardedProtocol(HttpToolsProtocol):
     def _refuse_unknown_method(self, data: bytes) -> None:
         """Remember the refusal of a method that the parser does not know: it says only that it cannot parse."""
         line = _REQUEST_LINE.match(data.lstrip(b"\r\n"))
-        if line is not None and line.group(1) not in METHODS:
+        if line is not None and line.group(1) not in KNOWN_METHODS:
             self._refusal = _unknown(line.group(1))
 
     def _stop(self, refusal: Refusal) -> None:

@@ -14,9 +14,9 @@ from service.queue.procrastinate_jobs import ENDED_CHANNEL
 logger = logging.getLogger(__name__)
 
 # Seconds between two looks at the store while somebody waits for a fit: a notification may be lost with its connection.
-POLL_SECONDS = 2.0
+FALLBACK_POLL_SECONDS = 2.0
 # Seconds before a broken connection is opened again.
-RECONNECT_SECONDS = 1.0
+LISTEN_AGAIN_SECONDS = 1.0
 
 
 class FitListener:
@@ -49,7 +49,7 @@ class FitListener:
                 while not self.stopping and not await self._ended(fit_id):
                     notification = asyncio.create_task(notified.wait())
                     await asyncio.wait(
-                        (notification, stopped), timeout=POLL_SECONDS, return_when=asyncio.FIRST_COMPLETED
+                        (notification, stopped), timeout=FALLBACK_POLL_SECONDS, return_when=asyncio.FIRST_COMPLETED
                     )
                     notification.cancel()
         except TimeoutError:
@@ -84,7 +84,7 @@ class FitListener:
                             notified.set()
             except (psycopg.Error, OSError) as error:
                 logger.warning("the database cannot be listened to: %s", error)
-            await asyncio.sleep(RECONNECT_SECONDS)
+            await asyncio.sleep(LISTEN_AGAIN_SECONDS)
 
     async def _ended(self, fit_id: str) -> bool:
         """Return whether the fit has ended or does not exist; False while the store fails."""

@@ -59,25 +59,25 @@ class TestTrace:
             assert len(heights(chart, "step")) == count
             across = [float(c.attrib["cx"]) for c in chart.iterfind("svg:circle[@class='step']", NAMESPACE)]
             assert across == sorted(set(across))
-            assert trace.LEFT < across[0] <= across[-1] < trace.WIDTH
+            assert trace.LEFT < across[0] <= across[-1] < trace.CHART_WIDTH
 
     def test_distance_is_logarithmic(self) -> None:
         # Axis from 1 to 0.001: three decades.
-        chart, decade = at(flat(list(self.STEPS)), ".//svg:g[@id='d_dist']"), trace.HEIGHT / 3.0
+        chart, decade = at(flat(list(self.STEPS)), ".//svg:g[@id='d_dist']"), trace.CHART_HEIGHT / 3.0
         expected = [-decade * np.log10(d) for d, _ in self.STEPS]
         assert heights(chart, "step") == pytest.approx(expected, abs=0.051)
         assert threshold(chart) == pytest.approx(2.0 * decade, abs=0.051)
 
     def test_smoothness_is_linear(self) -> None:
         chart = at(flat(list(self.STEPS)), ".//svg:g[@id='d_smooth']")
-        expected = [trace.HEIGHT * (1.0 - s) for _, s in self.STEPS]
+        expected = [trace.CHART_HEIGHT * (1.0 - s) for _, s in self.STEPS]
         assert heights(chart, "step") == pytest.approx(expected, abs=0.051)
-        assert threshold(chart) == pytest.approx(0.05 * trace.HEIGHT, abs=0.051)
+        assert threshold(chart) == pytest.approx(0.05 * trace.CHART_HEIGHT, abs=0.051)
 
     def test_thresholds_are_those_of_the_options(self) -> None:
         root = flat(list(self.STEPS), ipcore.FitOptions(t1=0.1, t2=0.5))
-        assert threshold(at(root, ".//svg:g[@id='d_dist']")) == pytest.approx(trace.HEIGHT / 3.0, abs=0.051)
-        assert threshold(at(root, ".//svg:g[@id='d_smooth']")) == pytest.approx(trace.HEIGHT / 2.0, abs=0.051)
+        assert threshold(at(root, ".//svg:g[@id='d_dist']")) == pytest.approx(trace.CHART_HEIGHT / 3.0, abs=0.051)
+        assert threshold(at(root, ".//svg:g[@id='d_smooth']")) == pytest.approx(trace.CHART_HEIGHT / 2.0, abs=0.051)
         assert {"t1 = 0.1", "t2 = 0.5"} <= set(at(root, ".//svg:g[@id='trace']").itertext())
 
     def test_the_chosen_degree_is_ringed_and_always_labelled(self) -> None:
@@ -98,7 +98,7 @@ class TestTrace:
         root = flat(odd, ipcore.FitOptions(t1=t1))
         distance, smoothness = (at(root, f".//svg:g[@id='{name}']") for name in ("d_dist", "d_smooth"))
         down = heights(distance, "step")
-        bottom = trace.HEIGHT
+        bottom = trace.CHART_HEIGHT
         assert [down[0], down[1], down[3], down[4]] == [0.0, 0.0, 0.0, bottom]
         assert 0.0 < down[2] < bottom
         assert heights(smoothness, "step")[:2] == [bottom, bottom]
@@ -112,4 +112,4 @@ class TestTrace:
         root = flat([measures], options)
         for name in ("d_dist", "d_smooth"):
             (y,) = heights(at(root, f".//svg:g[@id='{name}']"), "step")
-            assert 0.0 <= y <= trace.HEIGHT
+            assert 0.0 <= y <= trace.CHART_HEIGHT

@@ -9,7 +9,7 @@ from service.formats.picture.surface import surface
 from service.formats.picture.view import View
 
 # A white card with dark text, so that it looks the same on light and on dark pages.
-SVG = """\
+PAGE_SVG = """\
 <svg xmlns="http://www.w3.org/2000/svg" width="960" height="520" viewBox="0 0 960 520" role="img" fill="#1f2933" \
 font-family="system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif" font-size="12">
 <title>{title}</title>
@@ -28,7 +28,7 @@ font-family="system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Ari
 </g>
 </svg>
 """
-LEFT, RIGHT, TOP = 32, 526, 66  # px, the left ends of the two halves and their top
+HALF_LEFT, HALF_RIGHT, HALF_TOP = 32, 526, 66  # px, the left ends of the two halves and their top
 LEGEND = 494  # px, the baseline of the legend
 CHARACTER = 6.3  # px, the mean width of a character at 12 px in the widest of the fonts
 
@@ -52,18 +52,18 @@ def plot(result: ipcore.FitResult, points: ipcore.FloatArray, view: View | None 
         curve(result.polynomial, points) if flat else surface(result.polynomial, points, view or View())
     )
     history, trace_legend = trace.draw(result)
-    return SVG.format(
-        left=LEFT,
-        right=RIGHT,
-        top=TOP,
+    return PAGE_SVG.format(
+        left=HALF_LEFT,
+        right=HALF_RIGHT,
+        top=HALF_TOP,
         title=escape(f"Implicit polynomial of {facts[0]}"),
         description=escape(_description(result, points)),
         degree=escape(facts[0]),
         facts=escape("".join(f" · {fact}" for fact in facts[1:])),
         shape=shape,
         trace=history,
-        shape_legend=_legend(LEFT, shape_legend),
-        trace_legend=_legend(RIGHT + trace.LEFT, trace_legend),
+        shape_legend=_legend(HALF_LEFT, shape_legend),
+        trace_legend=_legend(HALF_RIGHT + trace.LEFT, trace_legend),
     ).encode()
 
 

@@ -15,7 +15,7 @@ from service.formats.picture.view import View
 MOST_TRIANGLES = 12_000
 RESOLUTIONS = (64, 56, 48, 42, 36, 30, 24)
 FINEST_PAINTED = 512  # grid points, for zero sets that are too thin for these: a needle 100 : 1 is then seen
-MARGIN = 8.0  # px
+MARGIN_PIXELS = 8.0  # px
 INSET = 96.0  # px, the side of the square in a corner in which the data are drawn
 
 
@@ -77,7 +77,7 @@ def _described(polynomial: ipcore.ImplicitPolynomial, points: ipcore.FloatArray,
 def _placing(seen: ipcore.FloatArray, width: float, height: float) -> Placing:
     """Return the map that places points (N, 3), given to the right, up and towards the eye, within the picture."""
     corners = np.stack([seen.min(axis=0), seen.max(axis=0)])[:, :2]
-    inner = Placing.into(width - 2.0 * MARGIN, height - 2.0 * MARGIN, corners)
+    inner = Placing.into(width - 2.0 * MARGIN_PIXELS, height - 2.0 * MARGIN_PIXELS, corners)
     return replace(inner, middle=np.array([width, height]) / 2.0)
 
 

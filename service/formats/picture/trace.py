@@ -9,8 +9,8 @@ import numpy as np
 import ipcore
 from service.formats.picture.plane import BLUE, LegendEntries
 
-LEFT, WIDTH = 46.0, 352.0  # px, the left and the right side of the charts; the labels stand outside
-TOPS, HEIGHT = (24.0, 228.0), 150.0  # px, of the two charts, one above the other
+LEFT, CHART_WIDTH = 46.0, 352.0  # px, the left and the right side of the charts; the labels stand outside
+TOPS, CHART_HEIGHT = (24.0, 228.0), 150.0  # px, of the two charts, one above the other
 GREEN, GRID, QUIET = "#2b8a3e", "#e4e8ec", "#52606d"
 
 # The decades that a logarithmic axis shows: below them is rounding, and above them all fits are useless alike.
@@ -58,7 +58,7 @@ class Chart:
         """Return the distance of values from the top, px: those off the axis are put at its end, NaN at the worst."""
         low, high = sorted((self.worst, self.best))
         inside = np.clip(np.where(np.isnan(values), self.worst, values), low, high)
-        return HEIGHT * (high - inside) / (high - low)
+        return CHART_HEIGHT * (high - inside) / (high - low)
 
     def off(self) -> list[bool]:
         """Return which values are off the axis: their markers stand at its end."""
@@ -69,7 +69,7 @@ class Chart:
 def draw(result: ipcore.FitResult) -> tuple[str, LegendEntries]:
     """Return the charts, with their upper left corner at the origin, and the entries of their legend."""
     degrees = np.array([step.degree for step in result.steps])
-    across = LEFT + (degrees - degrees[0] + 0.5) * (WIDTH - LEFT) / (degrees[-1] - degrees[0] + 1)
+    across = LEFT + (degrees - degrees[0] + 0.5) * (CHART_WIDTH - LEFT) / (degrees[-1] - degrees[0] + 1)
     chosen = [step.degree == result.degree for step in result.steps]
     parts = [
         f'<g id="{chart.name}" transform="translate(0 {top:g})">\n{_chart(chart, across, chosen)}\n</g>'
@@ -139,14 +139,14 @@ def _chart(chart: Chart, across: ipcore.FloatArray, chosen: list[bool]) -> str:
 
 def _good_enough(chart: Chart) -> str:
     top, bottom = sorted(chart.height(np.array([chart.threshold, chart.best])).tolist())
-    area = f"M{LEFT:g} {top:.1f}H{WIDTH:g}V{bottom:.1f}H{LEFT:g}Z"
+    area = f"M{LEFT:g} {top:.1f}H{CHART_WIDTH:g}V{bottom:.1f}H{LEFT:g}Z"
     return f'<path class="enough" d="{area}" fill="{GREEN}" fill-opacity="0.09"/>'
 
 
 def _grid(chart: Chart) -> list[str]:
     down = chart.height(np.array([position for position, _ in chart.ticks]))
     return [
-        f'<path d="M{LEFT:g} {y:.1f}H{WIDTH:g}" stroke="{GRID}"/>'
+        f'<path d="M{LEFT:g} {y:.1f}H{CHART_WIDTH:g}" stroke="{GRID}"/>'
         f'<text x="{LEFT - 8:g}" y="{y + 4:.1f}" text-anchor="end" fill="{QUIET}">{label}</text>'
         for y, (_, label) in zip(down, chart.ticks, strict=True)
     ]
@@ -159,8 +159,8 @@ def _threshold(chart: Chart) -> str:
         return ""
     (y,) = chart.height(np.array([chart.threshold])).tolist()
     return (
-        f'<path class="threshold" d="M{LEFT:g} {y:.1f}H{WIDTH:g}" {DASHED}/>'
-        f'<text x="{WIDTH + 6:g}" y="{y + 4:.1f}" fill="{GREEN}">{escape(chart.label)}</text>'
+        f'<path class="threshold" d="M{LEFT:g} {y:.1f}H{CHART_WIDTH:g}" {DASHED}/>'
+        f'<text x="{CHART_WIDTH + 6:g}" y="{y + 4:.1f}" fill="{GREEN}">{escape(chart.label)}</text>'
     )
 
 
@@ -174,7 +174,7 @@ def _marker(x: float, y: float, off: bool, chosen: bool) -> str:  # noqa: FBT001
 def _degrees(degrees: ipcore.IntArray, across: ipcore.FloatArray, chosen: int) -> str:
     """Return the axis of degrees that both charts share: evenly spaced labels, and always that of the chosen degree."""
     every = ceil(len(degrees) / MOST_DEGREES)
-    y = TOPS[1] + HEIGHT
+    y = TOPS[1] + CHART_HEIGHT
     labels = []
     for degree, x in zip(degrees.tolist(), across, strict=True):
         this = degree == chosen

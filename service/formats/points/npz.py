@@ -10,10 +10,10 @@ from service.jobs.errors import InvalidInputError, MalformedInputError, TooLarge
 
 # What the standard library raises on an archive that is broken, encrypted, or packed as it does not know.
 NOT_NPZ = (BadZipFile, zlib.error, NotImplementedError, RuntimeError, ValueError, EOFError, OSError, KeyError)
-# Bytes that an unpacked array may have per point: more than any record of numbers needs. Together with HEADER_BYTES it
+# Bytes that an unpacked array may have per point: more than any record of numbers needs. Together with MEMBER_BYTES it
 # bounds what a small archive can unpack to.
 BYTES_PER_POINT = 128
-HEADER_BYTES = 1 << 20
+MEMBER_BYTES = 1 << 20
 
 
 def read_npz(content: bytes, options: ReadOptions) -> RawPoints:
@@ -59,7 +59,7 @@ def _unpacked(archive: ZipFile, name: str, max_points: int) -> bytes:
     """Return the bytes of a member, of which no more are unpacked than so many points can have."""
     if archive.getinfo(name).compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise MalformedInputError(f"{shortened(name)} is not packed as numpy packs arrays", ("points",))
-    most = BYTES_PER_POINT * max_points + HEADER_BYTES
+    most = BYTES_PER_POINT * max_points + MEMBER_BYTES
     with archive.open(name) as member:
         content = member.read(most + 1)
     if len(content) > most:

@@ -16,7 +16,7 @@ GLB_NOTES = {
     "precision": "float32 about the middle of the surface, where the node's matrix places it",
 }
 # Numbers that glTF 2.0 defines: types of chunks, targets of buffers, types of components, and the mode "triangles".
-JSON, BIN = 0x4E4F534A, 0x004E4942
+JSON_CHUNK, BIN_CHUNK = 0x4E4F534A, 0x004E4942
 ARRAY, ELEMENT_ARRAY = 34962, 34963
 FLOAT, UNSIGNED_INT = 5126, 5125
 TRIANGLES = 4
@@ -40,7 +40,7 @@ def write(surface: ipcore.ZeroSet) -> bytes:
     size = sum(_sizes(surface))
     whole = 12 + 8 + len(text) + (8 + size if size else 0)
     return joined(
-        [b"glTF", uint32(2, whole, len(text), JSON), text, uint32(size, BIN) if size else b""],
+        [b"glTF", uint32(2, whole, len(text), JSON_CHUNK), text, uint32(size, BIN_CHUNK) if size else b""],
         ((rows - middle).astype("<f4").tobytes() for rows in blocks(surface.vertices)),
         (rows.astype("<f4").tobytes() for rows in blocks(surface.normals)),
         (rows.astype("<u4").tobytes() for rows in blocks(surface.cells)),

@@ -3,9 +3,9 @@
 import ipcore
 from service.formats.zero_set.box import corners
 
-MARGIN = 0.05  # of the longer side, on each side of the picture: wider than any stroke
+MARGIN_SHARE = 0.05  # of the longer side, on each side of the picture: wider than any stroke
 
-SVG = """\
+CURVE_SVG = """\
 <svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" data-origin="{x} {y}">
 <desc>Zero set f = 0. The path's coordinates are those of the data minus ({x}, {y}); y points up.</desc>
 <path transform="scale(1 -1)" d="{path}" fill="none" fill-rule="evenodd" stroke="currentColor" stroke-width="1.5" \
@@ -23,10 +23,10 @@ def write(curve: ipcore.ZeroSet) -> bytes:
     lines = curve.polylines()
     lower, upper = corners(curve.vertices)
     middle, sides = (lower + upper) / 2.0, upper - lower
-    half = sides / 2.0 + MARGIN * (float(sides.max()) or 1.0)
+    half = sides / 2.0 + MARGIN_SHARE * (float(sides.max()) or 1.0)
     box = "{:.7g} {:.7g} {:.7g} {:.7g}".format(*-half, *(2.0 * half))
     x, y = middle.tolist()
-    return SVG.format(box=box, x=x, y=y, path="".join(_subpath(line - middle) for line in lines)).encode("ascii")
+    return CURVE_SVG.format(box=box, x=x, y=y, path="".join(_subpath(line - middle) for line in lines)).encode("ascii")
 
 
 def _subpath(line: ipcore.FloatArray) -> str:
