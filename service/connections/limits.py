@@ -61,9 +61,10 @@ class ConnectionLimits:
 
 
 def descriptors() -> int:
-    """Return how many files this process may open, after asking the system for as many as it allows."""
+    """Return how many files this process may open, after asking the system for enough for `MOST_CONNECTIONS`."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    most = MOST_CONNECTIONS + OTHER_DESCRIPTORS if hard == resource.RLIM_INFINITY else hard
+    wanted = MOST_CONNECTIONS + OTHER_DESCRIPTORS
+    most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
     if soft != resource.RLIM_INFINITY and soft < most:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
     return most
