@@ -20,8 +20,8 @@ from service.connections.pace import Pace
 from service.connections.refusal import Refusal
 
 # Methods that HTTP servers know; others are answered with 501 (RFC 9110, 9.1), known ones that a path does not have
-# with 405.
-KNOWN_METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OPTIONS"})
+# with 405, by the application. CONNECT is for proxies only, and its target is no path.
+KNOWN_METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OPTIONS", b"TRACE"})
 _REQUEST_LINE = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]{1,64}) \S")
 # Seconds between two looks at the pace of a connection.
 LOOK_SECONDS = 1.0

@@ -50,7 +50,7 @@ REFUSED: dict[int, list[bytes]] = {
         GET + HOST + b"".join(b"a%d: %s\r\n" % (i, b"b" * 700) for i in range(100)) + END,
     ],
     501: [b"BREW /livez HTTP/1.1\r\n" + HOST + END, b"PROPFIND /livez HTTP/1.1\r\n" + HOST + END,
-          b"TRACE / HTTP/1.1\r\n" + HOST + END, b"CONNECT x:443 HTTP/1.1\r\n" + HOST + END,
+          b"CONNECT x:443 HTTP/1.1\r\n" + HOST + END,
           b"get /livez HTTP/1.1\r\n" + HOST + END],
 }  # fmt: skip
 

@@ -140,13 +140,17 @@ def test_an_unknown_fit(client: httpx.Client, path: str) -> None:
         ("DELETE", "/docs", "GET, HEAD"),
         ("PATCH", "/openapi.json", "GET, HEAD"),
         ("POST", "/docs/assets/swagger-ui.css", "GET, HEAD"),
-        ("PROPFIND", "/v1/fits", "POST"),
+        ("TRACE", "/v1/fits", "POST"),
     ],
 )
 def test_a_wrong_method_is_told_the_right_ones(client: httpx.Client, method: str, path: str, allowed: str) -> None:
     answer = client.request(method, path)
     problem(answer, 405, "method-not-allowed")
     assert answer.headers["Allow"] == allowed
+
+
+def test_a_method_that_is_none_of_http_is_not_implemented(client: httpx.Client) -> None:
+    problem(client.request("PROPFIND", "/v1/fits"), 501, "not-implemented")
 
 
 @pytest.fixture(scope="module")

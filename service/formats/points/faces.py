@@ -68,6 +68,7 @@ def vertex_normals(points: Array, faces: Array) -> Array | None:
         )
     if not np.isfinite(points).all():
         return None
-    mesh = trimesh.Trimesh(points, faces, process=False, validate=False)
+    largest = float(np.abs(points).max()) or 1.0  # divided out: products of coordinates may overflow, and normals stay
+    mesh = trimesh.Trimesh(points / largest, faces, process=False, validate=False)
     normals = np.asarray(mesh.vertex_normals)
     return normals if (np.linalg.norm(normals, axis=1) > 0.5).all() else None
