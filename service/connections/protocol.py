@@ -6,7 +6,6 @@ that breaks a limit here is answered with problem details where that is possible
 """
 
 import asyncio
-import re
 from functools import partial
 from http import HTTPStatus
 from typing import Any
@@ -16,13 +15,10 @@ from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResp
 
 from service.connections.census import Census
 from service.connections.limits import ConnectionLimits
+from service.connections.methods import KNOWN_METHODS, unknown_method
 from service.connections.pace import Pace
 from service.connections.refusal import Refusal
 
-# Methods that HTTP servers know; others are answered with 501 (RFC 9110, 9.1), known ones that a path does not have
-# with 405, by the application. CONNECT is for proxies only, and its target is no path.
-KNOWN_METHODS = frozenset({b"GET", b"HEAD", b"POST", b"PUT", b"PATCH", b"DELETE", b"OPTIONS", b"TRACE"})
-_REQUEST_LINE = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]{1,64}) \S")
 # Seconds between two looks at the pace of a connection.
 LOOK_SECONDS = 1.0
 LINGER_SECONDS = 1.0  # from an answer that refuses a request to the end of its connection
@@ -207,9 +203,9 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def _refuse_unknown_method(self, data: bytes) -> None:
         """Remember the refusal of a method that the parser does not know: it says only that it cannot parse."""
-        line = _REQUEST_LINE.match(data.lstrip(b"\r\n"))
-        if line is not None and line.group(1) not in KNOWN_METHODS:
-            self._refusal = _unknown(line.group(1))
+        method = unknown_method(data)
+        if method is not None:
+            self._refusal = _unknown(method)
 
     def _stop(self, refusal: Refusal) -> None:
         """Stop the parser, from within one of its callbacks; it then calls `send_400_response`."""

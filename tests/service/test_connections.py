@@ -49,7 +49,7 @@ REFUSED: dict[int, list[bytes]] = {
         b"GET /?" + b"a=1&" * 20_000 + b" HTTP/1.1\r\n" + HOST + END,
         GET + HOST + b"".join(b"a%d: %s\r\n" % (i, b"b" * 700) for i in range(100)) + END,
     ],
-    501: [b"BREW /livez HTTP/1.1\r\n" + HOST + END, b"PROPFIND /livez HTTP/1.1\r\n" + HOST + END,
+    501: [b"BREW /livez HTTP/1.1\r\n" + HOST + END, b"UPDATE /livez HTTP/1.1\r\n" + HOST + END,
           b"CONNECT x:443 HTTP/1.1\r\n" + HOST + END,
           b"get /livez HTTP/1.1\r\n" + HOST + END],
 }  # fmt: skip

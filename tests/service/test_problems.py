@@ -141,6 +141,8 @@ def test_an_unknown_fit(client: httpx.Client, path: str) -> None:
         ("PATCH", "/openapi.json", "GET, HEAD"),
         ("POST", "/docs/assets/swagger-ui.css", "GET, HEAD"),
         ("TRACE", "/v1/fits", "POST"),
+        ("PROPFIND", "/v1/fits", "POST"),
+        ("QUERY", "/livez", "GET, HEAD"),
     ],
 )
 def test_a_wrong_method_is_told_the_right_ones(client: httpx.Client, method: str, path: str, allowed: str) -> None:
@@ -150,7 +152,7 @@ def test_a_wrong_method_is_told_the_right_ones(client: httpx.Client, method: str
 
 
 def test_a_method_that_is_none_of_http_is_not_implemented(client: httpx.Client) -> None:
-    problem(client.request("PROPFIND", "/v1/fits"), 501, "not-implemented")
+    problem(client.request("BREW", "/v1/fits"), 501, "not-implemented")
 
 
 @pytest.fixture(scope="module")
