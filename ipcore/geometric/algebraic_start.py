@@ -38,7 +38,10 @@ def exact_or(descent: Descent, fit: Refined) -> Refined:
     limit = EXACTNESS * min(objective.closeness(fit.evaluation)[0], descent.rule.t1)
     if objective.degree > HIGHEST_EXACT_DEGREE or limit == 0.0:
         return fit
-    a = algebraic_fit(*objective.rows(MOST_POINTS))
+    try:
+        a = algebraic_fit(*objective.rows(MOST_POINTS))
+    except np.linalg.LinAlgError:  # the iteration for singular values did not converge
+        return fit
     if a is None or objective.closeness(objective.evaluate(a))[0] > limit:
         return fit
     scaled = [(s * a, objective.evaluate(s * a)) for s in SLOPES]

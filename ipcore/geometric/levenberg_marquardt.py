@@ -20,6 +20,7 @@ from ipcore.geometric.objective import Evaluation
 FIRST_DAMPING = 1e-6
 LEAST_DAMPING = 1e-12
 GREATEST_FALL = 0.1  # the factor by which the damping falls after a step that the model predicts well
+BEST_AGREEMENT = 1e3  # of the gain with the prediction; a greater one says nothing more
 DAMPING_TRIALS = 12  # per step: the last damping is 2⁷⁷ times the first, which leaves no step at all
 # Added to the unit diagonal beside the damping, one after the other, if rounding has made the matrix indefinite.
 DIAGONAL_SHIFTS = (0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9)
@@ -83,7 +84,8 @@ def refine(objective: LeastSquares, a: FloatArray, effort: Effort) -> Refined:
         else:
             break
         gain = evaluation.value - there.value
-        agreement = gain / float(p @ (2.0 * r - H @ p))
+        predicted = float(p @ (2.0 * r - H @ p))  # which rounding may make 0 or less, where steps are tiny
+        agreement = min(gain / predicted, BEST_AGREEMENT) if predicted > 0.0 else 0.0
         slow = slow + 1 if gain < effort.tolerance * evaluation.value else 0
         a, evaluation = a + p, there
         damping = max(damping * max(GREATEST_FALL, 1.0 - (2.0 * agreement - 1.0) ** 3), LEAST_DAMPING)

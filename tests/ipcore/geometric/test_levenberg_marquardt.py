@@ -128,3 +128,22 @@ def test_the_condition_is_that_of_the_jacobian_with_columns_of_length_1() -> Non
     diagonal = np.abs(np.diag(np.linalg.qr(J, mode="r")))
     assert paper == pytest.approx(diagonal.max() / diagonal.min(), rel=1e-8)
     assert condition(np.array([[1.0, 2.0], [2.0, 1.0]])) == (np.inf, np.inf)
+
+
+class Shrinking:
+    """An objective whose model predicts nothing, though its value falls."""
+
+    def __init__(self) -> None:
+        self.value = 1.0
+
+    def evaluate(self, a: FloatArray) -> Evaluation:  # noqa: ARG002 - the same everywhere
+        self.value *= 0.5
+        empty = np.zeros(0)
+        return Evaluation(empty, empty, empty, [], self.value)
+
+    def normal_equations(self, _: Evaluation) -> tuple[FloatArray, FloatArray]:
+        return np.eye(2), np.zeros(2)
+
+
+def test_a_model_that_predicts_no_gain_is_no_error() -> None:
+    assert refine(Shrinking(), np.zeros(2), Effort(5, 0.0, 9)).steps == 5
