@@ -21,6 +21,7 @@ LEAST_MARGIN = 4.0  # cells between the ends of a gap and the walls of the box a
 FINER = (6.0, 24.0)  # grid lines of the box around a gap, per cell of the grid: the second if needed; at most …
 FINEST_LOCAL = {2: 2048, 3: 96}  # … along the longest axis
 MOST_GAPS = 64  # that are looked at, from the shortest on
+MOST_PLACES = 512  # in the box around a gap, of which it is found to which piece of the finer grid they belong
 MOST_PIECES = 256  # of more, none are looked at: no thin shape breaks into so many at a resolution that was chosen
 BREAK_CELLS = 2.0  # the thickness and the radius of curvature below which a grid may break a zero set
 
@@ -59,12 +60,11 @@ def count_components(
         if group[first] == group[second] or (second, first) in looks or len(looks) == MOST_GAPS:
             continue
         looks.add((first, second))
-        margin = max(float(np.linalg.norm(ends[1] - ends[0])), LEAST_MARGIN * spacing)
-        box = np.clip([ends.min(axis=0) - margin, ends.max(axis=0) + margin], *bounds)
-        there, places = _one_of_each(x, component, box)
+        box = _box_around(ends, LEAST_MARGIN * spacing, bounds)
+        there = _within(x, box)
         for lines in FINER:
-            local = _pieces(polynomial, places, spacing, box, lines)
-            _unite(group, there, local)
+            local = _pieces(polynomial, x[there], spacing, box, lines)
+            _unite(group, component[there], local)
             if group[first] == group[second]:
                 break
     return len(np.unique(group))
@@ -114,15 +114,17 @@ def _breaks(polynomial: ImplicitPolynomial, gaps: list[Gap], spacing: float, bou
     return [gap for gap, may_break in zip(gaps, broken, strict=True) if may_break]
 
 
-def _one_of_each(x: FloatArray, component: IntArray, box: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return the components with vertices in a box (2, d), (k,), and of each the vertex nearest to its middle, (k, d).
+def _box_around(ends: FloatArray, least: float, bounds: FloatArray) -> FloatArray:
+    """Return the box (2, d) around the ends (2, d) of a gap; its walls are a gap's length away, or `least` if more."""
+    margin = max(float(np.linalg.norm(ends[1] - ends[0])), least)
+    return np.asarray(np.clip([ends.min(axis=0) - margin, ends.max(axis=0) + margin], *bounds))
 
-    `component` (n,) says to which component each vertex x (n, d) belongs.
-    """
+
+def _within(x: FloatArray, box: FloatArray) -> IntArray:
+    """Return the vertices (k,) of x (n, d) that lie in a box (2, d): of many, those nearest to its middle."""
     within = np.flatnonzero(((x >= box[0]) & (x <= box[1])).all(axis=1))
-    order = within[np.argsort(np.linalg.norm(x[within] - box.mean(axis=0), axis=1), kind="stable")]
-    found, first = np.unique(component[order], return_index=True)
-    return found, x[order[first]]
+    order = np.argsort(np.linalg.norm(x[within] - box.mean(axis=0), axis=1), kind="stable")
+    return within[order[:MOST_PLACES]]
 
 
 def _pieces(
@@ -130,7 +132,7 @@ def _pieces(
 ) -> IntArray:
     """Return for places (k, d) near f = 0 the component of the zero set in a box (2, d) on which they lie, (k,).
 
-    It is −1 where there is none within two cells of the box's own grid.
+    It is −1 where there is none within a cell of the box's own grid.
     """
     none = np.full(len(places), -1)
     if not (box[0] < box[1]).all():
@@ -142,4 +144,4 @@ def _pieces(
         return none
     used = _used(cells, len(found.mesh.vertices))
     distance, index = nearest(cKDTree(found.mesh.vertices[used]), onto_zero_set(polynomial, places, spacing)[0])
-    return np.where(distance <= 2.0 * found.spacing, labels(cells, len(found.mesh.vertices))[used[index]], -1)
+    return np.where(distance <= found.spacing, labels(cells, len(found.mesh.vertices))[used[index]], -1)

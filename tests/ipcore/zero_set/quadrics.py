@@ -18,14 +18,22 @@ def turn(dimension: int, seed: int | None) -> FloatArray:
         return np.eye(dimension)
     if dimension == 3:
         return np.asarray(Rotation.random(random_state=seed).as_matrix())
-    angle = np.random.default_rng(seed).uniform(0.0, np.pi)
+    return turn_by(np.random.default_rng(seed).uniform(0.0, np.pi))
+
+
+def turn_by(angle: float) -> FloatArray:
+    """Return the rotation (2, 2) by an angle."""
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def quadric(axes: tuple[float, ...], seed: int | None = None) -> tuple[ImplicitPolynomial, FloatArray]:
     """Return the quadric with these half axes, turned at random or not, f(0) = −1, and 2,000 points on its zero set."""
+    return turned(axes, turn(len(axes), seed))
+
+
+def turned(axes: tuple[float, ...], R: FloatArray) -> tuple[ImplicitPolynomial, FloatArray]:
+    """Return the same with the rotation R (d, d)."""
     d, half = len(axes), np.array(axes)
-    R = turn(d, seed)
     u = np.random.default_rng(0).normal(size=(2000, d))
     points = (u / np.linalg.norm(u, axis=1, keepdims=True) * half) @ R.T
     scale = float(np.linalg.norm(points, axis=1).mean())

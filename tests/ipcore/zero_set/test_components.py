@@ -9,7 +9,7 @@ from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.zero_set.survey import straying
 from ipcore.zero_set.zero_set import zero_set
-from tests.ipcore.zero_set.quadrics import quadric
+from tests.ipcore.zero_set.quadrics import quadric, turn_by, turned
 
 BOX = np.array([[-2.0, -2.0], [2.0, 2.0]])
 
@@ -75,3 +75,11 @@ def test_no_zero_set_has_no_components_and_no_stray_share() -> None:
     for value in (1.0, -1.0):
         assert straying(polynomial({(0, 0): value}, BOX), np.eye(2)) == (None, 0)
         assert straying(polynomial({(0, 0): value, (2, 0): value, (0, 2): value}, BOX), np.eye(2)) == (None, 0)
+
+
+@pytest.mark.parametrize("degrees", [5, 10, 40, 81, 85])
+@pytest.mark.parametrize("axes", [(500.0, 1.0), (300.0, 1.0), (100.0, 1.0)])
+def test_a_needle_of_any_direction_is_one_component(axes: tuple[float, float], degrees: float) -> None:
+    p, points = turned(axes, turn_by(np.radians(degrees)))
+    assert zero_set(p, data=points).components == 1
+    assert straying(p, points) == (0.0, 1)
