@@ -43,8 +43,8 @@ openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 	$(BIN)/ipfit openapi > openapi/openapi.json.new
 	mv openapi/openapi.json.new openapi/openapi.json
 
-docs: $(VENV)/.serve-stamp ## write the tables of docs/options.md and docs/settings.md anew
-	for name in options settings; do \
+docs: $(VENV)/.serve-stamp ## write the tables of docs/options.md, docs/problems.md and docs/settings.md anew
+	for name in options problems settings; do \
 		{ sed '/^<!-- table/q' docs/$$name.md; $(BIN)/ipfit $$name; sed -n '/^<!-- \/table/,$$p' docs/$$name.md; } \
 			> docs/$$name.md.new && mv docs/$$name.md.new docs/$$name.md || exit 1; \
 	done

@@ -103,7 +103,7 @@ class Caller:
         content, query, _ = FITS[kind]
         key = uuid4().hex
         prefer = self._random.choice(("respond-async", "respond-async", "wait=2", "wait=20"))
-        headers = {"Content-Type": "application/x-npy", "Prefer": prefer, "Idempotency-Key": key}
+        headers = {"Content-Type": "application/x-npy", "Prefer": prefer, "Idempotency-Key": f'"{key}"'}
         sent = False
         while sent or not enough.is_set():  # a fit that was sent may be stored: repeat until the answer says so
             sent = True

@@ -24,6 +24,12 @@ class Settings(BaseSettings):
         pattern=r"^(/[A-Za-z0-9._~-]+)*$",
         description="The prefix, such as `/ipfit`, that a reverse proxy removes from paths; links then begin with it.",
     )
+    cors_origins: str = Field(
+        "",
+        pattern=r"^(\*|https?://[^\s,/]+(\s*,\s*https?://[^\s,/]+)*)?$",
+        description="Origins, such as `https://app.example`, whose pages may call this server in a browser, with "
+        "commas between; `*` means all; empty means none.",
+    )
     max_connections: int | None = Field(
         None, ge=16, description="Connections that may be open at once; by default as many as files may be."
     )

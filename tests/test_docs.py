@@ -17,6 +17,8 @@ from skimage import data, measure
 from ipcore import shapes
 from service.api.problems import TABLE
 from service.formats.points.by_ending import ENDINGS
+from service.jobs import errors
+from service.problem_types import PROBLEM_TYPES
 from tests.pages import BLOCK, DOCS, README, ROOT, RUN_BY, blocks, code, rows, run_examples, skip_without_programs
 
 PAGES = sorted(DOCS.glob("*.md"))
@@ -58,7 +60,7 @@ def test_every_example_works_as_written(page: Path, server: str, tmp_path: Path)
         assert expected in told
 
 
-@pytest.mark.parametrize("name", ["options", "settings"])
+@pytest.mark.parametrize("name", ["options", "problems", "settings"])
 def test_the_tables_are_those_that_the_commands_print(name: str) -> None:
     (table,) = TABLE_BETWEEN.findall((DOCS / f"{name}.md").read_text(encoding="utf-8"))
     assert table == printed(name).strip(), "make docs writes the table anew"
@@ -97,9 +99,10 @@ def test_the_formats_are_those_of_the_contract() -> None:
     assert {name for _, kinds, _ in listed for name in code(kinds)} == set(route["responses"]["200"]["content"])
 
 
-def test_the_problems_are_those_of_the_code() -> None:
-    listed = {(int(status), code(kind)[0]) for status, kind, _ in rows(DOCS / "http.md", "| status | `urn")}
-    assert listed == {(int(status), kind) for _, status, kind, _ in TABLE}
+def test_every_error_of_the_use_cases_has_a_type_of_problem() -> None:
+    assert {kind for _, kind in TABLE} <= PROBLEM_TYPES.keys()
+    kinds = {one for one in vars(errors).values() if isinstance(one, type) and issubclass(one, errors.JobError)}
+    assert kinds - {errors.JobError} == {kind for kind, _ in TABLE}
 
 
 def test_the_members_of_a_fit_are_those_of_the_contract() -> None:

@@ -26,9 +26,9 @@ def test_every_example_works_as_written(server: str, tmp_path: Path) -> None:
         assert mesh.is_watertight
         assert mesh.euler_number == 0
     # The picture at the top is what the commands make, but for the degree: the fit of the horse is not convex, and
-    # processors round differently, so that machines differ by one.
+    # processors round differently: machines have been seen to end at 15, 16 and 17.
     shown, made = (degree_in(folder / "horse.svg") for folder in (DOCS, tmp_path))
-    assert abs(shown - made) <= 1
+    assert abs(shown - made) <= 2
 
 
 def degree_in(picture: Path) -> int:

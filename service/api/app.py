@@ -1,14 +1,16 @@
 """The web application; `service.bootstrap` makes the parts that it uses."""
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from importlib.metadata import version
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
+from fastapi.middleware.cors import CORSMiddleware
 
 from service.api import docs, problems
 from service.api.dependencies import Context
-from service.api.head import HeadAsGet
+from service.api.known_parameters import refuse_unknown_parameters
+from service.api.methods import HeadAndOptions
 from service.api.openapi import DocumentedApp
 from service.api.routes import ROUTERS
 
@@ -21,11 +23,36 @@ Lengths in options and diagnostics are in *mean radii*: the mean distance of the
 are always the caller's. Errors are problem details (RFC 9457).
 """
 
+# The headers that pages of other origins may send and read, where those are allowed.
+CORS_SENT = ["Authorization", "Content-Type", "Idempotency-Key", "If-Match", "If-None-Match", "Prefer", "Range"]
+CORS_READ = [
+    "Content-Location",
+    "ETag",
+    "Idempotency-Replayed",
+    "Link",
+    "Location",
+    "Preference-Applied",
+    "Retry-After",
+    "Server-Timing",
+    "Traceparent",
+    "X-Request-Id",
+    "Zero-Set-Warning",
+]
+
 Startup = Callable[[], AbstractAsyncContextManager[Context]]
 
 
-def create_app(startup: Startup) -> FastAPI:
-    """Return the application; `startup` opens the parts that its routes use, and closes them when it ends."""
+def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
+    """Return the application.
+
+    Parameters
+    ----------
+    startup
+        Opens the parts that its routes use, and closes them when it ends.
+    cors_origins
+        Origins whose pages may call this server in a browser; `*` means all.
+
+    """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -39,12 +66,23 @@ def create_app(startup: Startup) -> FastAPI:
         summary="Implicit polynomials from point sets, of the degree they need.",
         description=DESCRIPTION,
         license_info={"name": "MIT", "identifier": "MIT"},
+        openapi_url=None,  # see `service.api.docs`
         docs_url=None,
         redoc_url=None,
+        redirect_slashes=False,  # a path with a slash more is another one; a redirect would make a client send twice
+        dependencies=[Depends(refuse_unknown_parameters)],
         lifespan=lifespan,
         generate_unique_id_function=lambda route: route.name,
     )
-    app.add_middleware(HeadAsGet)
+    app.add_middleware(HeadAndOptions)
+    if cors_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=cors_origins,
+            allow_methods=["GET", "HEAD", "POST", "DELETE"],
+            allow_headers=CORS_SENT,
+            expose_headers=CORS_READ,
+        )
     problems.install(app)
     for router in ROUTERS:
         app.include_router(router)

@@ -1,23 +1,59 @@
-"""The documentation page: Swagger UI from files of an installed package, so that it works without a network."""
+"""The OpenAPI document, and its page: Swagger UI from files of an installed package, which needs no network."""
 
+import base64
+import hashlib
+import re
+from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from fastapi import APIRouter, FastAPI, Request
+import orjson
+from fastapi import APIRouter, FastAPI, Request, Response
 from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse, RedirectResponse
 from fastapi.staticfiles import StaticFiles
 
+from service.api.preconditions import is_known, strong_etag
+from service.api.problems import root_path
+
 ASSETS = "/docs/assets"
+# Of the page: what it loads comes from this server, and no script runs but its files and its own inline one.
+_PAGE_RULES = (
+    "default-src 'self'; script-src 'self' '{script}'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
+_INLINE_SCRIPT = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
 
 router = APIRouter(include_in_schema=False)
+
+
+@router.get("/openapi.json")
+async def openapi(request: Request) -> Response:
+    """Return the OpenAPI document of this server."""
+    root = root_path(request)
+    document = request.app.openapi()
+    body = orjson.dumps(document | {"servers": [{"url": root}]} if root else document)
+    headers = {"ETag": strong_etag(body), "Cache-Control": "no-cache"}
+    if is_known(request, headers["ETag"]):
+        return Response(status_code=304, headers=headers)
+    return Response(body, headers=headers, media_type="application/json")
 
 
 @router.get("/docs")
 async def docs(request: Request) -> HTMLResponse:
     """Return Swagger UI for the OpenAPI document of this server."""
-    root: str = request.scope.get("root_path", "")
-    return get_swagger_ui_html(
+    return _page(root_path(request))
+
+
+@router.get("/")
+async def root(request: Request) -> RedirectResponse:
+    """Redirect to the documentation."""
+    return RedirectResponse(f"{root_path(request)}/docs")
+
+
+@lru_cache(maxsize=1)
+def _page(root: str) -> HTMLResponse:
+    page = get_swagger_ui_html(
         openapi_url=f"{root}/openapi.json",
         title="ipfit",
         swagger_js_url=f"{root}{ASSETS}/swagger-ui-bundle.js",
@@ -25,16 +61,15 @@ async def docs(request: Request) -> HTMLResponse:
         swagger_favicon_url=f"{root}{ASSETS}/favicon.png",
         swagger_ui_parameters={"validatorUrl": None},  # else Swagger UI loads a badge from the server of its authors
     )
-
-
-@router.get("/")
-async def root(request: Request) -> RedirectResponse:
-    """Redirect to the documentation."""
-    return RedirectResponse(f"{request.scope.get('root_path', '')}/docs")
+    (script,) = _INLINE_SCRIPT.findall(bytes(page.body))
+    digest = base64.b64encode(hashlib.sha256(script).digest()).decode()
+    page.headers["Content-Security-Policy"] = _PAGE_RULES.format(script=f"sha256-{digest}")
+    page.headers["Cache-Control"] = "no-cache"
+    return page
 
 
 def install(app: FastAPI) -> None:
-    """Add the page and its files to the application."""
+    """Add the document, the page and its files to the application."""
     spec = find_spec("fastapi_offline")
     if spec is None or spec.origin is None:  # pragma: no cover - a declared dependency
         raise RuntimeError("fastapi-offline, which carries Swagger UI, is not installed")

@@ -10,6 +10,10 @@ from service.jobs.media_types import JSON, POINT_SET_FORMATS, ZERO_SET_FORMATS
 BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 # The content of a response with the file of a zero set.
 ZERO_SET_FILES: dict[str, Any] = {name: BINARY for known in ZERO_SET_FORMATS for name in known.media_types}
+# The content of a response with a point set.
+POINT_SET_FILES: dict[str, Any] = {
+    known.media_type: {"schema": reference("PointSet")} if known is JSON else BINARY for known in POINT_SET_FORMATS
+}
 # The headers of a response with the file of a zero set.
 ZERO_SET_HEADERS: dict[str, Any] = {
     ZERO_SET_WARNING: {
@@ -32,12 +36,25 @@ IF_NONE_MATCH = {
     "description": "The ETag of an earlier answer: 304 if nothing has changed.",
     "schema": {"type": "string"},
 }
+IF_MATCH = {
+    "name": "If-Match",
+    "in": "header",
+    "description": "The ETag of the state in which the fit must be: 412 if it has changed since.",
+    "schema": {"type": "string"},
+}
 IDEMPOTENCY_KEY = {
     "name": "Idempotency-Key",
     "in": "header",
-    "description": "Any unique text. A request that is sent again with the same key gets the fit of the first; with "
-    "the same key and another point set or other options, 422.",
-    "schema": {"type": "string", "maxLength": LONGEST_KEY},
+    "description": "A unique text in double quotes. A request that is sent again with the same key gets the fit of the "
+    "first; with the same key and another point set or other options, 422.",
+    "schema": {"type": "string", "minLength": 3, "maxLength": 2 * LONGEST_KEY + 2},
+    "example": '"8e03978e-40d5-43dd-bc93-6894a57f9324"',
+}
+REPLAYED = {
+    "Idempotency-Replayed": {
+        "description": "`true` if an earlier request with the same Idempotency-Key made the fit.",
+        "schema": {"type": "string", "enum": ["true"]},
+    }
 }
 POINT_SET_BODY = {
     "required": True,
@@ -54,6 +71,7 @@ _PROBLEMS: dict[int | str, dict[str, Any]] = {
     404: problem("There is no such fit."),
     406: problem("The zero set cannot be had in that format."),
     409: problem("The fit has not ended, or ended without a result."),
+    412: problem("The fit is not in the state that If-Match names."),
     413: problem("The body, the points or the system are over a limit of this server."),
     415: problem("The body is of a media type or an encoding that is not read here."),
     422: problem("The point set cannot be fitted, or an option or a parameter has a value that is not allowed."),

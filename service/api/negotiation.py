@@ -8,7 +8,14 @@ from http import HTTPStatus
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
-from service.jobs.media_types import JSON, POINT_SET_FORMATS, ZERO_SET_FORMATS, ZeroSetFormat, zero_set_formats
+from service.jobs.media_types import (
+    JSON,
+    POINT_SET_FORMATS,
+    ZERO_SET_FORMATS,
+    PointSetFormat,
+    ZeroSetFormat,
+    zero_set_formats,
+)
 
 MOST_RANGES = 64  # of an Accept header that count: browsers send some ten
 
@@ -35,6 +42,26 @@ def point_set_format(request: Request, named: str | None) -> str:
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"{sent[:100]} is not read here; known are {known}, or say ?format="
         )
     return names[sent]
+
+
+def returned_point_set_format(request: Request, named: str | None) -> PointSetFormat:
+    """Return the format in which the caller wants a point set: `named`, else the best for Accept, else npy.
+
+    Raises
+    ------
+    HTTPException
+        406 if Accept allows none.
+
+    """
+    if named is not None:
+        return next(known for known in POINT_SET_FORMATS if known.name == named)
+    accept = request.headers.get("accept", "*/*")
+    as_stored_first = sorted(POINT_SET_FORMATS, key=lambda known: known.name != "npy")
+    best = max(as_stored_first, key=lambda known: quality(accept, known.media_type))
+    if quality(accept, best.media_type) <= 0.0:
+        known = ", ".join(f"{one.name} ({one.media_type})" for one in POINT_SET_FORMATS)
+        raise HTTPException(HTTPStatus.NOT_ACCEPTABLE, f"Accept: {accept[:100]}: points come as {known}")
+    return best
 
 
 def zero_set_format(request: Request, dimension: int, named: str | None = None) -> ZeroSetFormat:

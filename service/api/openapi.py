@@ -4,9 +4,11 @@ from typing import Any
 
 from fastapi import FastAPI
 from pydantic.json_schema import models_json_schema
+from starlette.types import ASGIApp
 
+from service.api.answers import Answers
 from service.api.problems import MEDIA_TYPE, Problem
-from service.api.schemas import FitRequest
+from service.api.schemas import FitRequest, PointSet
 
 _REF = "#/components/schemas/{model}"
 
@@ -14,11 +16,17 @@ _REF = "#/components/schemas/{model}"
 class DocumentedApp(FastAPI):
     """An application whose OpenAPI document describes bodies that routes read themselves, and problem details."""
 
+    def build_middleware_stack(self) -> ASGIApp:
+        """Return the application with its middleware, in `Answers`: outside of what answers unexpected errors, too."""
+        return Answers(super().build_middleware_stack())
+
     def openapi(self) -> dict[str, Any]:
         """Return the OpenAPI document."""
         if self.openapi_schema is None:
             document = super().openapi()
-            _, models = models_json_schema([(FitRequest, "validation"), (Problem, "validation")], ref_template=_REF)
+            _, models = models_json_schema(
+                [(FitRequest, "validation"), (PointSet, "serialization"), (Problem, "validation")], ref_template=_REF
+            )
             schemas = document["components"]["schemas"]
             schemas.update(models["$defs"])
             for operation in (operation for path in document["paths"].values() for operation in path.values()):

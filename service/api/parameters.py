@@ -1,17 +1,21 @@
 """The parameters of the fit routes: path, query and headers."""
 
+import re
 from math import isfinite
 from typing import Annotated
 
 from fastapi import Path, Query, Request
 from pydantic import Field
 
+from service.api.problems import HeaderError
 from service.choices import OneOf
 from service.jobs.errors import InvalidInputError
+from service.jobs.fit import FitStatus
 from service.jobs.media_types import POINT_SET_FORMATS, ZERO_SET_FORMATS, Missing, zero_set_formats
 from service.options import FitOptions
 
 LONGEST_KEY = 200  # characters of an Idempotency-Key
+_QUOTED = re.compile(r'"((?:[\x20-\x21\x23-\x5b\x5d-\x7e]|\\["\\])*)"')
 LARGEST_BOUND = 1e150  # as for points: the square of a larger one is not finite
 
 
@@ -43,6 +47,19 @@ def _names(dimension: int) -> str:
 
 
 FitId = Annotated[str, Path(description="The id that POST /v1/fits gave.")]
+ProblemCode = Annotated[str, Path(max_length=64, description="The `code` of a problem.")]
+Purge = Annotated[bool, Query(description="Whether to remove the fit, with its points, and not only to end it.")]
+Status = Annotated[
+    Annotated[str, OneOf(FitStatus)] | None, Query(description="Only fits of this status. Default: all.")
+]
+Limit = Annotated[int, Query(ge=1, le=100, description="Fits on a page, at most.")]
+Cursor = Annotated[
+    str | None, Query(max_length=200, description="Where a page begins, from the `next` of the page before.")
+]
+PointSetFormatName = Annotated[
+    Annotated[str, OneOf(known.name for known in POINT_SET_FORMATS)] | None,
+    Query(description="The format; wins over Accept. Default: `npy`, as the points are stored."),
+]
 ZeroSetFormatName = Annotated[
     Annotated[str, OneOf(known.name for known in ZERO_SET_FORMATS)] | None,
     Query(description=f"The file kind; wins over Accept. 3D: {_names(3)}. 2D: {_names(2)}."),
@@ -98,17 +115,25 @@ def corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[float
 
 
 def idempotency_key(request: Request) -> str | None:
-    """Return the Idempotency-Key of a request, or None if it has none.
+    """Return the Idempotency-Key of a request, a quoted string (RFC 9651, 3.3.3), or None if it has none.
 
     Raises
     ------
-    InvalidInputError
-        If it is empty or too long.
+    HeaderError
+        If there are two, or it is not a string of 1 to `LONGEST_KEY` characters.
 
     """
-    key = request.headers.get("idempotency-key")
-    if key is not None and not 0 < len(key) <= LONGEST_KEY:
-        raise InvalidInputError(f"an Idempotency-Key has 1 to {LONGEST_KEY} characters")
+    sent = request.headers.getlist("idempotency-key")
+    if not sent:
+        return None
+    found = _QUOTED.fullmatch(sent[0].strip(" ")) if len(sent) == 1 else None
+    key = "" if found is None else re.sub(r"\\(.)", r"\1", found.group(1))
+    if not 0 < len(key) <= LONGEST_KEY:
+        raise HeaderError(
+            "Idempotency-Key",
+            f"Idempotency-Key must be one quoted string of 1 to {LONGEST_KEY} printable ASCII characters, as in "
+            '"torus-1" with its quotes',
+        )
     return key
 
 

@@ -1,12 +1,10 @@
-"""Errors as problem details (RFC 9457), and the one table from exceptions to HTTP statuses."""
+"""Errors as problem details (RFC 9457), and the one table from exceptions to types of problems."""
 
 import logging
-import re
 from collections.abc import Iterable
 from http import HTTPStatus
 from math import ceil
-from typing import Any
-from uuid import uuid4
+from typing import Annotated, Any
 
 import orjson
 from fastapi import FastAPI, Request, Response
@@ -14,35 +12,34 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
-from starlette.routing import BaseRoute, Match, Mount
 
+from service.api.answers import ids
+from service.api.methods import allowed
+from service.choices import OneOf
 from service.jobs import errors
+from service.problem_types import PROBLEM_TYPES, ProblemType
 
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
-# Seconds after which a caller may try again, by type of problem.
-RETRY_AFTER = {"fit-not-finished": "1", "shutting-down": "10", "not-ready": "10", "worker-crashed": "1"}
 # Faults that are reported of one request, at most.
 MOST_FAULTS = 10
-METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
-_TRACEPARENT = re.compile(r"[0-9a-f]{2}-([0-9a-f]{32})-[0-9a-f]{16}-[0-9a-f]{2}")
 
-# Exception, status, type, title. The first row that matches counts, so subclasses stand before their base classes.
-TABLE: tuple[tuple[type[Exception], HTTPStatus, str, str], ...] = (
-    (errors.MalformedInputError, HTTPStatus.BAD_REQUEST, "malformed-input", "The body cannot be read"),
-    (errors.TooLargeError, HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "too-large", "Over a limit of this server"),
-    (errors.InvalidInputError, HTTPStatus.UNPROCESSABLE_ENTITY, "invalid-input", "The request cannot be carried out"),
-    (errors.FitNotFoundError, HTTPStatus.NOT_FOUND, "fit-not-found", "No such fit"),
-    (errors.FitNotFinishedError, HTTPStatus.CONFLICT, "fit-not-finished", "The fit has not ended yet"),
-    (errors.FitWithoutResultError, HTTPStatus.CONFLICT, "fit-without-result", "The fit ended without a result"),
-    (errors.DeadlineExceededError, HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The work took too long"),
-    (errors.OutOfMemoryError, HTTPStatus.SERVICE_UNAVAILABLE, "out-of-memory", "The work needs too much memory"),
-    (errors.WorkerCrashedError, HTTPStatus.SERVICE_UNAVAILABLE, "worker-crashed", "A worker died doing the work"),
-    (errors.KeyReusedError, HTTPStatus.UNPROCESSABLE_ENTITY, "key-reused", "The key came with another payload"),
-    (errors.QueueFullError, HTTPStatus.SERVICE_UNAVAILABLE, "queue-full", "Too many fits wait"),
-    (errors.ShuttingDownError, HTTPStatus.SERVICE_UNAVAILABLE, "shutting-down", "The server is stopping"),
-    (errors.NotReadyError, HTTPStatus.SERVICE_UNAVAILABLE, "not-ready", "The server is not ready"),
+# Exception and type. The first row that matches counts, so subclasses stand before their base classes.
+TABLE: tuple[tuple[type[Exception], str], ...] = (
+    (errors.MalformedInputError, "malformed-input"),
+    (errors.TooLargeError, "too-large"),
+    (errors.InvalidInputError, "invalid-input"),
+    (errors.FitNotFoundError, "fit-not-found"),
+    (errors.FitNotFinishedError, "fit-not-finished"),
+    (errors.FitWithoutResultError, "fit-without-result"),
+    (errors.DeadlineExceededError, "deadline-exceeded"),
+    (errors.OutOfMemoryError, "out-of-memory"),
+    (errors.WorkerCrashedError, "worker-crashed"),
+    (errors.KeyReusedError, "key-reused"),
+    (errors.QueueFullError, "queue-full"),
+    (errors.ShuttingDownError, "shutting-down"),
+    (errors.NotReadyError, "not-ready"),
 )
 
 
@@ -57,47 +54,64 @@ class Fault(BaseModel):
 class Problem(BaseModel):
     """An error, as RFC 9457 problem details."""
 
-    type: str = Field(description="A stable name of the kind of problem, `urn:ipfit:problem:…`.")
+    type: str = Field(
+        description="The address of the page about this kind of problem, `/problems/{code}` of this server.",
+        examples=["/problems/queue-full"],
+    )
+    code: Annotated[str, OneOf(PROBLEM_TYPES)] = Field(description="The stable name of the kind.")
     title: str = Field(description="The kind in words.")
     status: int = Field(description="The HTTP status.")
     detail: str = Field(description="What went wrong this time.")
     errors: list[Fault] = Field(default_factory=list, description="Each single fault.")
-    trace_id: str | None = Field(None, description="Names the request in the server's log.")
+    trace_id: str | None = Field(None, description="The trace of the request (W3C), which the server's log names.")
+    request_id: str | None = Field(None, description="The request's id, which the server's log names, too.")
 
 
-def response(  # noqa: PLR0913 - the parts of a problem
+class HeaderError(Exception):
+    """A header of the request cannot be read."""
+
+    def __init__(self, name: str, detail: str) -> None:
+        """Take the name of the header, and what is wrong."""
+        super().__init__(detail)
+        self.name = name
+
+
+def response(
     request: Request,
-    status: HTTPStatus,
-    kind: str,
+    code: str,
     detail: str,
     faults: Iterable[Fault] = (),
-    *,
-    title: str | None = None,
     headers: dict[str, str] | None = None,
 ) -> Response:
     """Return a response with problem details."""
-    body: dict[str, Any] = {
-        "type": f"urn:ipfit:problem:{kind}",
-        "title": title or status.phrase,
-        "status": int(status),
-        "detail": detail,
+    kind, own = PROBLEM_TYPES[code], dict(headers or {})
+    assert kind.status is not None  # noqa: S101 - the type of a failed fit is answered to no request
+    if kind.retry_after is not None:
+        own.setdefault("Retry-After", str(kind.retry_after))
+    body = as_dict(kind, detail, root_path(request)) | {
         "errors": [fault.model_dump(exclude_none=True) for fault in faults],
-        "trace_id": trace_id(request),
+        "trace_id": ids(request).trace_id,
+        "request_id": ids(request).request_id,
     }
-    return Response(orjson.dumps(body), status, headers, MEDIA_TYPE)
+    return Response(orjson.dumps(body), kind.status, own, MEDIA_TYPE)
 
 
-def trace_id(request: Request) -> str:
-    """Return the trace id that the caller sent (W3C traceparent), or a new one; it stays the same for the request."""
-    if not hasattr(request.state, "trace_id"):
-        sent = _TRACEPARENT.fullmatch(request.headers.get("traceparent", ""))
-        request.state.trace_id = sent.group(1) if sent else uuid4().hex
-    return str(request.state.trace_id)
+def as_dict(kind: ProblemType, detail: str, root: str) -> dict[str, Any]:
+    """Return the members of problem details that say what kind of problem it is."""
+    status = kind.status or HTTPStatus.INTERNAL_SERVER_ERROR
+    return {"type": kind.path(root), "code": kind.code, "title": kind.title, "status": int(status), "detail": detail}
+
+
+def root_path(request: Request) -> str:
+    """Return the prefix that a reverse proxy removes from paths."""
+    root: str = request.scope.get("app_root_path", request.scope.get("root_path", ""))
+    return root
 
 
 def install(app: FastAPI) -> None:
     """Let the application answer every error with problem details."""
     app.add_exception_handler(errors.JobError, _job_error)
+    app.add_exception_handler(HeaderError, _malformed_header)
     app.add_exception_handler(RequestValidationError, _invalid_request)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(ClientDisconnect, _gone)
@@ -105,17 +119,17 @@ def install(app: FastAPI) -> None:
 
 
 def _job_error(request: Request, error: Exception) -> Response:
-    status, kind, title = next(row[1:] for row in TABLE if isinstance(error, row[0]))
+    code = next(code for kind, code in TABLE if isinstance(error, kind))
     at = getattr(error, "at", ())
     faults = [_fault(request, str(error), at)] if at else []
-    if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
-        logger.warning("%s: %s (trace %s)", kind, error, trace_id(request), exc_info=error.__cause__)
-    headers = {"Retry-After": RETRY_AFTER[kind]} if kind in RETRY_AFTER else {}
+    if PROBLEM_TYPES[code].status is HTTPStatus.SERVICE_UNAVAILABLE:
+        logger.warning("%s: %s", code, error, exc_info=error.__cause__)
+    headers = {}
     if isinstance(error, errors.QueueFullError):
         headers["Retry-After"] = str(ceil(error.retry_after))
-    if kind == "too-large":  # else the server would read the rest of the body, however long it is
+    if code == "too-large":  # else the server would read the rest of the body, however long it is
         headers["Connection"] = "close"
-    return response(request, status, kind, str(error), faults, title=title, headers=headers)
+    return response(request, code, str(error), faults, headers)
 
 
 def _fault(request: Request, detail: str, at: tuple[str | int, ...]) -> Fault:
@@ -128,18 +142,23 @@ def _fault(request: Request, detail: str, at: tuple[str | int, ...]) -> Fault:
 
 def _gone(request: Request, _error: Exception) -> Response:
     """Answer a caller who closed the connection while sending the body; the response is not read by anybody."""
-    return response(request, HTTPStatus.BAD_REQUEST, "incomplete-request", "the connection was closed by the caller")
+    return response(request, "incomplete-request", "the connection was closed by the caller")
+
+
+def _malformed_header(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HeaderError)  # noqa: S101 - narrows the type
+    return response(request, "malformed-header", str(error), [Fault(detail=str(error), parameter=error.name)])
 
 
 def _invalid_request(request: Request, error: Exception) -> Response:
     """Answer a request whose query parameters or headers are not valid."""
-    assert isinstance(error, RequestValidationError)  # noqa: S101 - narrows the type
+    assert isinstance(error, RequestValidationError)  # noqa: S101 - as above
     faults = [
         Fault(detail=str(one["msg"]), parameter=(".".join(map(str, one["loc"][1:])) or str(one["loc"][0]))[:100])
         for one in error.errors()[:MOST_FAULTS]
     ]
     detail = "; ".join(f"{fault.parameter}: {fault.detail}" for fault in faults)
-    return response(request, HTTPStatus.UNPROCESSABLE_ENTITY, "invalid-parameter", detail, faults)
+    return response(request, "invalid-parameter", detail, faults)
 
 
 def _http_error(request: Request, error: Exception) -> Response:
@@ -150,28 +169,13 @@ def _http_error(request: Request, error: Exception) -> Response:
         HTTPStatus.NOT_FOUND: f"there is nothing at {request.url.path[:200]}",
         HTTPStatus.METHOD_NOT_ALLOWED: f"{request.url.path[:200]} does not answer to {request.method}",
     }
-    kind = status.phrase.lower().replace(" ", "-").replace("'", "")
+    code = status.phrase.lower().replace(" ", "-").replace("'", "")
     headers = dict(error.headers or {})
     if status is HTTPStatus.METHOD_NOT_ALLOWED:
-        headers["Allow"] = ", ".join(sorted(_allowed(request)))
-    return response(request, status, kind, details.get(status, str(error.detail)), headers=headers)
-
-
-def _allowed(request: Request) -> set[str]:
-    """Return all methods of the path; the framework names only those of the first route that matches."""
-    # The original scope: routers have changed that of the request before the error.
-    scope = {**request.scope, "root_path": request.scope.get("app_root_path", "")}
-    allowed = {method for method in METHODS if _answers(request.app.routes, scope | {"method": method})}
-    return allowed | {"HEAD"} if "GET" in allowed else allowed  # see `service.api.head`
-
-
-def _answers(routes: list[BaseRoute], scope: dict[str, Any]) -> bool:
-    """Return whether a route takes this method at this path. Mounted files take GET and HEAD only."""
-    matching = (route for route in routes if route.matches(scope)[0] is Match.FULL)
-    return any(scope["method"] in ("GET", "HEAD") or not isinstance(route, Mount) for route in matching)
+        headers["Allow"] = ", ".join(sorted(allowed(request.scope)))
+    return response(request, code, details.get(status, str(error.detail)), headers=headers)
 
 
 def _unexpected(request: Request, error: Exception) -> Response:
-    logger.error("unexpected error, trace %s", trace_id(request), exc_info=error)
-    detail = "The server failed in an unexpected way; its log says more under this trace id."
-    return response(request, HTTPStatus.INTERNAL_SERVER_ERROR, "internal", detail)
+    logger.error("unexpected error", exc_info=error)
+    return response(request, "internal", "The server failed in an unexpected way; its log says more under these ids.")

@@ -1,18 +1,22 @@
-"""Responses with a fit, as JSON, or with its zero set, as a file."""
+"""Responses with fits, as JSON, or with a zero set, as a file."""
 
-import hashlib
+from collections.abc import Sequence
 from http import HTTPStatus
 from typing import Any
 
 import orjson
 from fastapi import Request, Response
 
+from service.api import preconditions, problems
 from service.jobs.fit import Fit
-from service.jobs.media_types import ZeroSetFormat
+from service.jobs.media_types import PointSetFormat, ZeroSetFormat
 from service.jobs.warning_codes import with_codes
 from service.jobs.zero_set_file import ZeroSetFile
+from service.problem_types import PROBLEM_TYPES
 
 ZERO_SET_WARNING = "Zero-Set-Warning"  # the header that says that the grid of a zero set was too coarse
+# A fit is stored by its caller only, who asks each time whether it has changed.
+ASK_AGAIN = {"Cache-Control": "private, no-cache"}
 
 
 def fit_response(
@@ -23,21 +27,55 @@ def fit_response(
     headers: dict[str, str] | None = None,
 ) -> Response:
     """Return a response with a fit as JSON and a strong ETag; 304 if the caller has it already."""
-    body = orjson.dumps(as_dict(fit, progress), option=orjson.OPT_UTC_Z)
-    etag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
-    sent = {"ETag": etag, "Content-Location": fit_path(request, fit.id), **(headers or {})}
+    body = _json(as_dict(fit, progress, problems.root_path(request)))
+    etag = preconditions.strong_etag(body)
+    sent = {"ETag": etag, "Content-Location": fit_path(request, fit.id), **ASK_AGAIN, **(headers or {})}
     if not fit.status.final:
         sent["Retry-After"] = "1"
-    cached = request.headers.get("if-none-match", "")
-    if request.method == "GET" and (etag in cached or cached.strip() == "*"):
+    if request.method == "GET" and preconditions.is_known(request, etag):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
     return Response(body, status, sent, "application/json")
 
 
+def check_match(request: Request, fit: Fit, progress: list[dict[str, Any]]) -> None:
+    """Check that If-Match, if the request has one, names the present state of the fit."""
+    preconditions.check_match(
+        request, preconditions.strong_etag(_json(as_dict(fit, progress, problems.root_path(request))))
+    )
+
+
+def list_response(request: Request, fits: Sequence[Fit], following: str | None) -> Response:
+    """Return a response with a page of fits, without their results, and the address of the `following` page."""
+    root = problems.root_path(request)
+    body = _json({"fits": [summary(fit, root) for fit in fits], "next": following})
+    etag = preconditions.strong_etag(body)
+    headers = {"ETag": etag, **ASK_AGAIN} | ({"Link": f'<{following}>; rel="next"'} if following else {})
+    if preconditions.is_known(request, etag):
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+    return Response(body, headers=headers, media_type="application/json")
+
+
+def _json(members: dict[str, Any]) -> bytes:
+    return orjson.dumps(members, option=orjson.OPT_UTC_Z)
+
+
 def fit_path(request: Request, fit_id: str) -> str:
     """Return the path of a fit as the caller knows it: behind a proxy that removes a prefix, it begins with that."""
-    root: str = request.scope.get("app_root_path", request.scope.get("root_path", ""))
-    return f"{root}/v1/fits/{fit_id}"
+    return f"{problems.root_path(request)}/v1/fits/{fit_id}"
+
+
+def points_response(request: Request, fit: Fit, sent: PointSetFormat, content: bytes) -> Response:
+    """Return a point set as a response; its ETag is that of the points, which never change."""
+    etag = preconditions.strong_etag(fit.input.key.encode(), sent.name.encode())
+    headers = {
+        "ETag": etag,
+        "Vary": "Accept",
+        "Cache-Control": "private, max-age=3600",
+        "Content-Disposition": f'inline; filename="{fit.id}.{sent.name}"',
+    }
+    if preconditions.is_known(request, etag):
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+    return Response(content, headers=headers, media_type=sent.media_type)
 
 
 def zero_set_response(
@@ -50,8 +88,21 @@ def zero_set_response(
     return Response(file.content, headers=named, media_type=sent.media_types[0])
 
 
-def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the members of `FitResource` that this fit has."""
+def as_dict(fit: Fit, progress: list[dict[str, Any]], root: str = "") -> dict[str, Any]:
+    """Return the members of `FitResource` that this fit has, for a server under the path `root`."""
+    members = summary(fit, root)
+    if not fit.status.final:
+        members["progress"] = progress
+    if fit.parts and not fit.status.final:
+        members["parts"] = {"summed": fit.parts - fit.unsummed, "total": fit.parts}
+    if fit.result is not None:
+        result = orjson.loads(fit.result)
+        members |= result | {"warnings": with_codes(result["warnings"])}
+    return members
+
+
+def summary(fit: Fit, root: str) -> dict[str, Any]:
+    """Return the members of `FitSummary`."""
     members: dict[str, Any] = {
         "id": fit.id,
         "status": fit.status,
@@ -62,18 +113,6 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
         "points": fit.input.points,
         "options": fit.requested.given,
     }
-    if not fit.status.final:
-        members["progress"] = progress
-    if fit.parts and not fit.status.final:
-        members["parts"] = {"summed": fit.parts - fit.unsummed, "total": fit.parts}
     if fit.failure is not None:
-        members["problem"] = {
-            "type": f"urn:ipfit:problem:{fit.failure.kind}",
-            "title": "The fit failed",
-            "status": int(HTTPStatus.INTERNAL_SERVER_ERROR),
-            "detail": fit.failure.detail,
-        }
-    if fit.result is not None:
-        result = orjson.loads(fit.result)
-        members |= result | {"warnings": with_codes(result["warnings"])}
+        members["problem"] = problems.as_dict(PROBLEM_TYPES[fit.failure.kind], fit.failure.detail, root)
     return members

@@ -7,8 +7,10 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from service.api.problems import Problem
 from service.choices import OneOf
+from service.jobs.fit import FitStatus
 from service.jobs.warning_codes import WARNING_CODES
 from service.options import FitOptions
+from service.problem_types import PROBLEM_TYPES
 
 Row = Annotated[list[float], Field(min_length=2, max_length=6)]
 
@@ -54,6 +56,15 @@ class FitRequest(BaseModel):
         None, description="(N, d): outward normals of any length. Without them they are estimated."
     )
     options: FitOptions = Field(default_factory=FitOptions, description="How to fit.")
+
+
+class PointSet(BaseModel):
+    """The points of a fit."""
+
+    points: list[Row] = Field(description="(N, d): coordinates in the caller's frame and unit.")
+    normals: list[Row] | None = Field(
+        None, description="(N, d): outward unit normals, if the points came with normals."
+    )
 
 
 class Frame(BaseModel):
@@ -172,11 +183,11 @@ class Parts(BaseModel):
     total: int = Field(description="How many there are.")
 
 
-class FitResource(BaseModel):
-    """A fit. The members from `polynomial` on are there when it is successful, `problem` when it failed."""
+class FitSummary(BaseModel):
+    """A fit, without its progress and its result."""
 
     id: str = Field(description="Names the fit in `/v1/fits/{id}`.")
-    status: Literal["accepted", "running", "successful", "failed", "dismissed"] = Field(
+    status: Annotated[str, OneOf(FitStatus)] = Field(
         description="Accepted and running fits are live; the others have ended."
     )
     created: datetime = Field(description="When it was accepted, UTC.")
@@ -185,9 +196,21 @@ class FitResource(BaseModel):
     dimension: int = Field(description="d, 2 or 3.")
     points: int = Field(description="N, the number of points.")
     options: dict[str, Any] = Field(description="As asked for; with defaults filled in when successful.")
+    problem: Problem | None = Field(None, description="Why it failed.")
+
+
+class FitList(BaseModel):
+    """A page of fits."""
+
+    fits: list[FitSummary] = Field(description="Newest first.")
+    next: str | None = Field(description="The address of the next page; null if this is the last.")
+
+
+class FitResource(FitSummary):
+    """A fit. The members from `polynomial` on are there when it is successful, `problem` when it failed."""
+
     progress: list[Step] = Field(default_factory=list, description="The degrees tried so far, while it is running.")
     parts: Parts | None = Field(None, description="How far its parts are, if it has any, while it is live.")
-    problem: Problem | None = Field(None, description="Why it failed.")
     polynomial: Polynomial | None = Field(None, description="The answer.")
     stop_reason: (
         Literal["criterion-met", "criterion-minimum", "degree-reached", "max-degree", "too-few-points", "planar"] | None
@@ -196,6 +219,22 @@ class FitResource(BaseModel):
     diagnostics: Diagnostics | None = Field(None, description="How good the answer is.")
     warnings: list[FitWarning] | None = Field(None, description="What a careful user should know.")
     engine: Engine | None = Field(None, description="What made the answer.")
+
+
+class ProblemKind(BaseModel):
+    """A type of problem."""
+
+    type: str = Field(description="Its address on this server.")
+    code: Annotated[str, OneOf(PROBLEM_TYPES)] = Field(description="Its stable name.")
+    title: str = Field(description="What it is, in words.")
+    status: int | None = Field(description="The HTTP status; null if it stands in failed fits only.")
+    remedy: str = Field(description="When it occurs, and what the caller can do.")
+
+
+class ProblemKindList(BaseModel):
+    """All types of problems."""
+
+    problems: list[ProblemKind] = Field(description="In the order of their statuses.")
 
 
 class Health(BaseModel):

@@ -13,7 +13,8 @@ from service.settings import Settings
 def application(settings: Settings) -> FastAPI:
     """Return the application: a replica of a cluster if a shared database is set, else an embedded server."""
     kind = embedded if settings.database_url is None else cluster
-    return create_app(lambda: kind.context(settings))
+    origins = [origin.strip() for origin in settings.cors_origins.split(",") if origin.strip()]
+    return create_app(lambda: kind.context(settings), origins)
 
 
 async def drain(app: FastAPI, seconds: float) -> None:

@@ -17,6 +17,7 @@ COMMANDS = (
     server.openapi,
     server.settings,
     server.options,
+    server.problems,
     server.healthcheck,
 )
 for command in COMMANDS:

@@ -18,7 +18,9 @@ from pydantic import ValidationError
 from service.bootstrap import application, connection_limits, drain, end_drain
 from service.cli.option_texts import table as fit_options
 from service.connections.protocol import guarded
+from service.problem_types import table as problem_table
 from service.settings import Settings, table
+from service.telemetry.logs import log_config
 
 # Seconds that running requests get to end when the server stops: uploads and exports of zero sets. Requests that wait
 # for a fit are answered at once.
@@ -40,6 +42,7 @@ class _Server(uvicorn.Server):
                 root_path=settings.root_path,
                 ws="none",
                 server_header=False,
+                log_config=log_config(),
                 forwarded_allow_ips=settings.forwarded_allow_ips,
                 timeout_graceful_shutdown=GRACE_SECONDS,
             )
@@ -81,6 +84,11 @@ def openapi() -> None:
 def settings() -> None:
     """Print every setting as a Markdown table: environment variable, default, meaning."""
     typer.echo(table())
+
+
+def problems() -> None:
+    """Print every type of problem as a Markdown table: name, status, meaning and what helps."""
+    typer.echo(problem_table())
 
 
 def options() -> None:

@@ -6,6 +6,7 @@ import typer
 
 from service.bootstrap import work
 from service.cli.server import chosen_settings
+from service.telemetry.logs import configure
 
 
 def worker() -> None:
@@ -14,4 +15,5 @@ def worker() -> None:
     if settings.database_url is None:
         typer.echo("IPFIT_DATABASE_URL is not set: workers need the database of the servers", err=True)
         raise typer.Exit(2)
+    configure()
     asyncio.run(work(settings))

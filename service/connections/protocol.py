@@ -7,7 +7,6 @@ that breaks a limit here is answered with problem details where that is possible
 
 import asyncio
 from functools import partial
-from http import HTTPStatus
 from typing import Any
 
 from uvicorn._types import ASGI3Application
@@ -50,7 +49,7 @@ class GuardedProtocol(HttpToolsProtocol):
         self._address = self.client[0] if self.client else ""
         reason, self._counted = self._census.enter(self._address), True
         if reason is not None:
-            self._refuse(Refusal(HTTPStatus.SERVICE_UNAVAILABLE, reason, retry_after=10))
+            self._refuse(Refusal("too-many-connections", reason))
             return
         self._pace.wait_for_head(self.loop.time())
         self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
@@ -81,12 +80,12 @@ class GuardedProtocol(HttpToolsProtocol):
         elif self._in_body and self._pace.received == before:  # chunk extensions and trailers
             self._idle_bytes += len(data)
             if self._idle_bytes > self._limits.head_bytes:
-                self._refuse(Refusal(HTTPStatus.BAD_REQUEST, "the body's chunks say much and hold nothing"))
+                self._refuse(Refusal("bad-request", "the body's chunks say much and hold nothing"))
 
     def send_400_response(self, msg: str) -> None:
         """Answer a request that cannot be parsed, or that a callback of the parser refused."""
         detail = msg.rstrip(".").lower() if self._refusal is None else ""
-        self._answer(self._refusal or Refusal(HTTPStatus.BAD_REQUEST, detail))
+        self._answer(self._refusal or Refusal("bad-request", detail))
 
     def on_message_begin(self) -> None:
         """Start a request."""
@@ -116,7 +115,7 @@ class GuardedProtocol(HttpToolsProtocol):
             self._stop(self._too_large())
         hosts = [value for name, value in self.headers if name == b"host"]
         if len(hosts) > 1 or (not hosts and self.parser.get_http_version() != "1.0"):
-            self._stop(Refusal(HTTPStatus.BAD_REQUEST, f"a request has one Host, not {len(hosts)}"))
+            self._stop(Refusal("bad-request", f"a request has one Host, not {len(hosts)}"))
         if self.parser.get_method() not in KNOWN_METHODS:
             self._stop(_unknown(self.parser.get_method()))
         self._in_head, self._in_body = False, True
@@ -170,8 +169,8 @@ class GuardedProtocol(HttpToolsProtocol):
         """Close the connection of a slow peer; answer it only if it sent a part of a request and has no answer yet."""
         self._census.log(f"closed: {kind}", self._address)
         if (self._in_head or self._in_body) and self._may_answer():
-            self._refusal = Refusal(HTTPStatus.REQUEST_TIMEOUT, detail)
-            self.transport.write(self._refusal.response())
+            self._refusal = Refusal("request-timeout", detail)
+            self.transport.write(self._refusal.response(self.root_path))
             self._close_when_read()
         else:
             self.transport.close()
@@ -196,7 +195,7 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def _too_large(self) -> Refusal:
         return Refusal(
-            HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE,
+            "head-too-large",
             f"the request line and the headers may have {self._limits.head_bytes} bytes "
             f"and {self._limits.head_fields} fields together",
         )
@@ -219,9 +218,9 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def _answer(self, refusal: Refusal) -> None:
         self._refusal = refusal
-        self._census.log(f"refused: {refusal.detail}", self._address)
+        self._census.log(f"refused: {refusal.detail}", f"{self._address}, trace {refusal.ids.trace_id}")
         if self._may_answer():
-            self.transport.write(refusal.response())
+            self.transport.write(refusal.response(self.root_path))
             self._close_when_read()
         else:
             self.transport.close()
@@ -242,4 +241,4 @@ class GuardedProtocol(HttpToolsProtocol):
 
 def _unknown(method: bytes) -> Refusal:
     name = method[:64].decode("ascii", "replace")
-    return Refusal(HTTPStatus.NOT_IMPLEMENTED, f"the method {name} is not known here")
+    return Refusal("not-implemented", f"the method {name} is not known here")

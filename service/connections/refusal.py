@@ -1,24 +1,14 @@
 """A refusal: a whole response, with problem details, for a peer whose request never reaches the application."""
 
 import json
-from dataclasses import dataclass
-from http import HTTPStatus
-from uuid import uuid4
+from dataclasses import dataclass, field
 
-_TITLES = {
-    HTTPStatus.BAD_REQUEST: "The request cannot be understood",
-    HTTPStatus.REQUEST_TIMEOUT: "The request arrived too slowly",
-    HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE: "The request's head is too large",
-    HTTPStatus.NOT_IMPLEMENTED: "The method is not known here",
-    HTTPStatus.SERVICE_UNAVAILABLE: "Too many connections are open",
-}
-_KINDS = {
-    HTTPStatus.BAD_REQUEST: "bad-request",
-    HTTPStatus.REQUEST_TIMEOUT: "request-timeout",
-    HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE: "head-too-large",
-    HTTPStatus.NOT_IMPLEMENTED: "not-implemented",
-    HTTPStatus.SERVICE_UNAVAILABLE: "too-many-connections",
-}
+from service.problem_types import PROBLEM_TYPES
+from service.request_ids import RequestIds
+
+
+def _no_header(_name: str) -> None:
+    """Return None: the headers of a request that is refused are not read."""
 
 
 @dataclass(frozen=True)
@@ -27,38 +17,47 @@ class Refusal(Exception):  # noqa: N818 - raised in callbacks of the parser, to 
 
     Attributes
     ----------
-    status
-        400, 408, 431, 501 or 503.
+    code
+        The type of problem.
     detail
         What is wrong, for the caller.
-    retry_after
-        Seconds after which to try again; None if that would not help.
+    ids
+        The names of the request.
 
     """
 
-    status: HTTPStatus
+    code: str
     detail: str
-    retry_after: int | None = None
+    ids: RequestIds = field(default_factory=lambda: RequestIds.of(_no_header))
 
-    def response(self) -> bytes:
-        """Return the bytes of the response; the connection is closed after it."""
+    def response(self, root: str = "") -> bytes:
+        """Return the bytes of the response, for a server under the path `root`; the connection is closed after it."""
+        kind = PROBLEM_TYPES[self.code]
+        assert kind.status is not None  # noqa: S101 - the type of a failed fit refuses no request
         body = json.dumps(
             {
-                "type": f"urn:ipfit:problem:{_KINDS[self.status]}",
-                "title": _TITLES[self.status],
-                "status": int(self.status),
+                "type": kind.path(root),
+                "code": self.code,
+                "title": kind.title,
+                "status": int(kind.status),
                 "detail": self.detail,
                 "errors": [],
-                "trace_id": uuid4().hex,
+                "trace_id": self.ids.trace_id,
+                "request_id": self.ids.request_id,
             }
         ).encode()
+        headers = {
+            "content-type": "application/problem+json",
+            "content-length": str(len(body)),
+            "cache-control": "no-store",
+            "x-content-type-options": "nosniff",
+            "connection": "close",
+            **self.ids.headers,
+        }
+        if kind.retry_after is not None:
+            headers["retry-after"] = str(kind.retry_after)
         lines = [
-            f"HTTP/1.1 {int(self.status)} {self.status.phrase}",
-            "content-type: application/problem+json",
-            f"content-length: {len(body)}",
-            "cache-control: no-store",
-            "connection: close",
+            f"HTTP/1.1 {int(kind.status)} {kind.status.phrase}",
+            *(f"{key}: {value}" for key, value in headers.items()),
         ]
-        if self.retry_after is not None:
-            lines.append(f"retry-after: {self.retry_after}")
         return "\r\n".join([*lines, "", ""]).encode("ascii") + body

@@ -9,6 +9,7 @@ from service.jobs.fit import Failure, Fit, FitStatus, ReceivedPoints
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
+from service.jobs.page import Page
 from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
@@ -34,6 +35,9 @@ class FitStore(Protocol):
 
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
+
+    def listed(self, page: Page) -> Sequence[Fit]:
+        """Return the fits of a page, without their results and their parts."""
 
     def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
         """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None.
@@ -153,7 +157,7 @@ class FitQueue(Protocol):
 
 
 class Reader(Protocol):
-    """Reads point sets from the bodies of requests."""
+    """Reads point sets from the bodies of requests, and writes them again."""
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
@@ -169,6 +173,9 @@ class Reader(Protocol):
             If it cannot be read or fitted.
 
         """
+
+    async def write(self, content: bytes, dimension: int, form: str) -> bytes:
+        """Return a stored point set as a file of the format `form`."""
 
 
 class Planner(Protocol):

@@ -2,7 +2,7 @@
 
 import asyncio
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,6 +20,7 @@ from service.jobs.fit import Fit, ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.new_fit import new_fit
+from service.jobs.page import Page
 from service.jobs.parts import split
 from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
 from service.jobs.requested_options import RequestedOptions
@@ -71,8 +72,10 @@ class FitService:
         plan: ipcore.Plan,
         client: str = "",
         key: str | None = None,
-    ) -> Fit:
+    ) -> tuple[Fit, bool]:
         """Store a fit and queue it. When this returns, it survives a crash.
+
+        Return the fit, and whether an earlier call with the same key made it.
 
         Parameters
         ----------
@@ -98,10 +101,11 @@ class FitService:
         if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
         fit = await self._add(new, points.content, parts)
-        if fit.id == new.id:
-            for one in parts or [fit]:
-                self._queue.submit(one)
-        return fit
+        if fit.id != new.id:
+            return fit, True
+        for one in parts or [fit]:
+            self._queue.submit(one)
+        return fit, False
 
     async def _add(self, new: Fit, content: bytes, parts: list[Fit]) -> Fit:
         """Store a fit with its input; if that fails, remove the input, which may take the last room on the disk."""
@@ -147,11 +151,7 @@ class FitService:
             raise FitNotFinishedError(f"fit {fit_id} is {fit.status}; its zero set can be drawn when it is successful")
         if fit.result is None:
             raise FitWithoutResultError(f"fit {fit_id} is {fit.status} and has no zero set")
-        try:
-            points = await _call_store(self._blobs.get, fit.input.key)
-        except NotReadyError:
-            await self._get(fit_id)  # raises FitNotFoundError if the fit was removed in this moment
-            raise
+        points = await self._input(fit)
         return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
 
     async def check(self) -> None:
@@ -166,14 +166,32 @@ class FitService:
         self._refuse_when_stopping()
         await _call_store(self._store.count_waiting)
 
-    async def dismiss(self, fit_id: str) -> Fit | None:
-        """Dismiss a live fit, kill its worker and return it; or remove a fit that has ended and return None."""
-        await self._get(fit_id)
+    async def listed(self, page: Page) -> Sequence[Fit]:
+        """Return the fits of a page, without their results."""
+        return await _call_store(self._store.listed, page)
+
+    async def points(self, fit: Fit, form: str) -> bytes:
+        """Return the points of a fit as a file of this format."""
+        content = await self._input(fit)
+        return await self._reader.write(content, fit.input.dimension, form)
+
+    async def dismiss(self, fit_id: str) -> Fit:
+        """Dismiss a fit if it is live, kill its worker, and return the fit."""
         if await _call_store(self._store.dismiss, fit_id):
             self._queue.cancel(fit_id)
-            return await self._get(fit_id)
+        return await self._get(fit_id)
+
+    async def purge(self, fit_id: str) -> None:
+        """Remove a fit that has ended, with its points."""
         await _call_store(self._store.remove, fit_id, self._blobs.delete)
-        return None
+
+    async def _input(self, fit: Fit) -> bytes:
+        """Return the points of a fit as they are stored."""
+        try:
+            return await _call_store(self._blobs.get, fit.input.key)
+        except NotReadyError:
+            await self._get(fit.id)  # raises FitNotFoundError if the fit was removed in this moment
+            raise
 
     async def drain(self, seconds: float) -> None:
         """Accept and start no more fits, give those that run so much time to end, then end every wait for a fit."""

@@ -11,6 +11,7 @@ from sqlalchemy.exc import IntegrityError
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
+from service.jobs.page import Page
 from service.store import mapping, queries, transitions
 from service.store.input_locks import InputLocks
 from service.store.schema import fits
@@ -56,6 +57,11 @@ class SqlFits:
         with self._engine.connect() as connection:
             row = queries.row(connection, fit_id)
         return None if row is None else mapping.to_fit(row)
+
+    def listed(self, page: Page) -> Sequence[Fit]:
+        """Return the fits of a page, without their results and their parts."""
+        with self._engine.connect() as connection:
+            return [mapping.to_fit(row) for row in queries.page(connection, page)]
 
     def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
         """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None."""

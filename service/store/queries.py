@@ -5,9 +5,10 @@ from datetime import timedelta
 from typing import Any
 
 import orjson
-from sqlalchemy import Connection, Row, func, select
+from sqlalchemy import ColumnElement, Connection, Row, func, null, select
 
 from service.jobs.fit import FitStatus
+from service.jobs.page import Page
 from service.store import mapping
 from service.store.schema import fits
 from service.store.transitions import clock
@@ -18,6 +19,19 @@ ENDED = [status for status in FitStatus if status.final]
 def row(connection: Connection, fit_id: str) -> Row[Any] | None:
     """Return the row of a fit, or None."""
     return connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
+
+
+def page(connection: Connection, wanted: Page) -> list[Row[Any]]:
+    """Return the rows of a page of fits, without results."""
+    small = [column for column in fits.c if column.name not in {"result", "progress"}]
+    where: list[ColumnElement[bool]] = [fits.c.whole.is_(None)]
+    if wanted.status is not None:
+        where.append(fits.c.status == wanted.status)
+    if wanted.before is not None:
+        created, fit_id = wanted.before
+        where.append((fits.c.created < created) | ((fits.c.created == created) & (fits.c.id < fit_id)))
+    query = select(*small, null().label("result")).where(*where).order_by(fits.c.created.desc(), fits.c.id.desc())
+    return list(connection.execute(query.limit(wanted.limit)))
 
 
 def progress(connection: Connection, fit_id: str) -> list[dict[str, Any]]:

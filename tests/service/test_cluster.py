@@ -35,11 +35,11 @@ def own_postgres() -> Iterator[Postgres]:
 
 def refused(server: Server) -> bool:
     answer = server.client.post("/v1/fits", content=npy(ellipse()), headers=NPY)
-    return answer.status_code == 503 and answer.json()["type"] == "urn:ipfit:problem:not-ready"
+    return answer.status_code == 503 and answer.json()["type"] == "/problems/not-ready"
 
 
 def idempotent(server: Server, key: str) -> dict[str, Any]:
-    answer = server.client.post("/v1/fits", content=npy(ellipse()), headers=NPY | {"Idempotency-Key": key})
+    answer = server.client.post("/v1/fits", content=npy(ellipse()), headers=NPY | {"Idempotency-Key": f'"{key}"'})
     fit: dict[str, Any] = answer.json()
     return fit
 
@@ -133,7 +133,7 @@ def test_a_fit_that_kills_its_worker_processes_fails_and_the_next_succeeds(clust
         os.kill(victim, signal.SIGKILL)
         until(partial(lambda pid: not alive(pid), victim))
         until(lambda: not server.look(fit).get("progress"))  # it starts anew, or has failed
-    assert server.look(fit, wait=10)["problem"]["type"] == "urn:ipfit:problem:worker-crashed"
+    assert server.look(fit, wait=10)["problem"]["type"] == "/problems/worker-crashed"
     assert server.fit(npy(ellipse()))["status"] == "successful"
 
 

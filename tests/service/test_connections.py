@@ -129,7 +129,7 @@ def test_too_many_connections_of_one_address_are_refused_and_others_go_on(guarde
         answers = [talk(guarded, GET + HOST + CLOSE + END) for _ in range(3)]
         assert any(answer.status == 503 for answer in answers)
         refused = next(answer for answer in answers if answer.status == 503)
-        assert refused.problem["type"] == "urn:ipfit:problem:too-many-connections"
+        assert refused.problem["type"] == "/problems/too-many-connections"
         assert refused.headers["retry-after"] == "10"
     finally:
         for one in held:

@@ -89,7 +89,7 @@ def test_what_cannot_be_had_is_refused(client: httpx.Client, surface: dict[str, 
     for fit, asked in ((surface, "svg"), (curve, "glb")):
         answer = client.get(f"/v1/fits/{fit['id']}/mesh?format={asked}")
         assert answer.status_code == 406, asked
-        assert answer.json()["type"] == "urn:ipfit:problem:not-acceptable"
+        assert answer.json()["type"] == "/problems/not-acceptable"
     assert client.get(f"/v1/fits/{curve['id']}/mesh", headers={"Accept": "model/stl"}).status_code == 406
     before = post(client, npy(ellipse()), Accept="model/stl")
     assert before.status_code == 406

@@ -25,7 +25,7 @@ def refuses(server: Server) -> None:
     """Check that whatever is sent is refused for now."""
     for content, kind in zip(BODIES, KINDS, strict=True):
         answer = server.client.post("/v1/fits", content=content, headers={"Content-Type": kind})
-        assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready"), answer.text
+        assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready"), answer.text
         assert "Retry-After" in answer.headers
     assert server.client.get("/livez").is_success
 
@@ -114,7 +114,7 @@ def test_a_database_without_room_is_503_and_loses_nothing(
         disk.fill()
         while (answer := sent(server, len(fits))).is_success:  # there is room in the last page of each table
             fits.append(answer.json())
-        assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready"), answer.text
+        assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready"), answer.text
         refuses(server)
         disk.clear()
         assert [server.look(fit, wait=60)["status"] for fit in fits] == ["successful"] * len(fits)
@@ -142,7 +142,7 @@ def test_a_database_that_may_only_be_read_is_503_for_what_writes_and_loses_nothi
         assert postgres.cut() > 2  # as after a failover to a standby that was not promoted
         refuses(server)
         answer = server.client.delete(f"/v1/fits/{running['id']}")
-        assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready"), answer.text
+        assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready"), answer.text
         assert server.look(kept)["status"] == "successful"
         postgres.tell(f"ALTER DATABASE {name(database)} SET default_transaction_read_only = off")
         postgres.cut()

@@ -91,6 +91,6 @@ def test_no_request_is_answered_with_an_error_of_the_server(shared: Server) -> N
             fit = answer.json()
             fits[r.randrange(2)] = fit.get("id", "")
             wrong = fit.get("problem") or {"type": ""}
-            assert wrong["type"] in {"", "urn:ipfit:problem:fit-error"}, (seed, wrong)
+            assert wrong["type"] in {"", "/problems/fit-error"}, (seed, wrong)
     assert seed > 10
     assert client.get("/readyz").status_code == 200

@@ -92,7 +92,7 @@ def test_a_resolution_over_the_limit_is_refused() -> None:
 def test_too_many_points_and_too_large_a_system_are_413(small: Server) -> None:
     for content, query in ((npy(torus(10_001)), ""), (npy(torus(10_000)), "max_degree=12&factor=block")):
         answer = small.client.post(f"/v1/fits?{query}", content=content, headers=NPY)
-        assert (answer.status_code, answer.json()["type"]) == (413, "urn:ipfit:problem:too-large")
+        assert (answer.status_code, answer.json()["type"]) == (413, "/problems/too-large")
 
 
 def test_the_servers_own_degree_limit_is_named(small: Server) -> None:
@@ -107,10 +107,10 @@ def test_a_fit_over_its_deadline_fails_and_the_next_one_runs(small: Server) -> N
         if fit["status"] not in ("accepted", "running"):
             break
     assert fit["status"] == "failed"
-    assert fit["problem"]["type"] == "urn:ipfit:problem:deadline-exceeded"
+    assert fit["problem"]["type"] == "/problems/deadline-exceeded"
     assert "0.5 s" in fit["problem"]["detail"]
     without = small.client.get(f"/v1/fits/{fit['id']}/mesh")
-    assert (without.status_code, without.json()["type"]) == (409, "urn:ipfit:problem:fit-without-result")
+    assert (without.status_code, without.json()["type"]) == (409, "/problems/fit-without-result")
     assert small.fit(npy(ellipse()))["status"] == "successful"
 
 
@@ -152,7 +152,7 @@ def test_a_body_over_the_limit_is_413(small: Server, *, chunked: bool) -> None:
     body = b" " * (MIB + 1)
     content = iter([body[:MIB], body[MIB:]]) if chunked else body
     answer = small.client.post("/v1/fits", content=content, headers={"Content-Type": "application/json"})
-    assert (answer.status_code, answer.json()["type"]) == (413, "urn:ipfit:problem:too-large")
+    assert (answer.status_code, answer.json()["type"]) == (413, "/problems/too-large")
 
 
 def test_a_body_of_just_the_limit_is_read(small: Server) -> None:

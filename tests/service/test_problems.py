@@ -21,7 +21,7 @@ def problem(answer: httpx.Response, status: int, kind: str) -> dict[str, Any]:
     assert answer.status_code == status, answer.text
     assert answer.headers["Content-Type"] == "application/problem+json"
     told: dict[str, Any] = answer.json()
-    assert told["type"] == f"urn:ipfit:problem:{kind}"
+    assert (told["type"], told["code"]) == (f"/problems/{kind}", kind)
     assert told["status"] == status
     assert told["title"]
     assert told["detail"]
@@ -117,7 +117,16 @@ def test_an_encoding_that_is_not_read(client: httpx.Client) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["/nowhere", "/v1", "/v1/fits/x/y", "/docs/assets/none.js", "/docs/assets/..%2f..%2fapp.py"]
+    "path",
+    [
+        "/nowhere",
+        "/v1",
+        "/v1/fits/x/y",
+        "/docs/assets/none.js",
+        "/livez/",
+        "/v1/fits/",
+        "/docs/assets/..%2f..%2fapp.py",
+    ],
 )
 def test_an_unknown_path(client: httpx.Client, path: str) -> None:
     problem(client.get(path), 404, "not-found")
@@ -133,16 +142,15 @@ def test_an_unknown_fit(client: httpx.Client, path: str) -> None:
 @pytest.mark.parametrize(
     ("method", "path", "allowed"),
     [
-        ("PUT", "/v1/fits/none", "DELETE, GET, HEAD"),
-        ("POST", "/v1/fits/none/mesh", "GET, HEAD"),
-        ("GET", "/v1/fits", "POST"),
-        ("POST", "/livez", "GET, HEAD"),
-        ("DELETE", "/docs", "GET, HEAD"),
-        ("PATCH", "/openapi.json", "GET, HEAD"),
-        ("POST", "/docs/assets/swagger-ui.css", "GET, HEAD"),
-        ("TRACE", "/v1/fits", "POST"),
-        ("PROPFIND", "/v1/fits", "POST"),
-        ("QUERY", "/livez", "GET, HEAD"),
+        ("PUT", "/v1/fits/none", "DELETE, GET, HEAD, OPTIONS"),
+        ("POST", "/v1/fits/none/mesh", "GET, HEAD, OPTIONS"),
+        ("POST", "/livez", "GET, HEAD, OPTIONS"),
+        ("DELETE", "/docs", "GET, HEAD, OPTIONS"),
+        ("PATCH", "/openapi.json", "GET, HEAD, OPTIONS"),
+        ("POST", "/docs/assets/swagger-ui.css", "GET, HEAD, OPTIONS"),
+        ("TRACE", "/v1/fits", "GET, HEAD, OPTIONS, POST"),
+        ("PROPFIND", "/v1/fits", "GET, HEAD, OPTIONS, POST"),
+        ("QUERY", "/livez", "GET, HEAD, OPTIONS"),
     ],
 )
 def test_a_wrong_method_is_told_the_right_ones(client: httpx.Client, method: str, path: str, allowed: str) -> None:
@@ -159,7 +167,7 @@ def test_a_method_that_is_none_of_http_is_not_implemented(client: httpx.Client) 
 def mesh(client: httpx.Client) -> Iterator[str]:
     fit = client.post("/v1/fits", content=npy(sphere()), headers=NPY).json()
     yield f"/v1/fits/{fit['id']}/mesh"
-    client.delete(f"/v1/fits/{fit['id']}")
+    client.delete(f"/v1/fits/{fit['id']}?purge=true")
 
 
 @pytest.mark.parametrize(
@@ -189,7 +197,7 @@ def mesh(client: httpx.Client) -> Iterator[str]:
 def test_a_mesh_that_cannot_be_made(client: httpx.Client, mesh: str, query: str) -> None:
     answer = client.get(f"{mesh}?{query}")
     assert answer.status_code == 422, answer.text
-    (fault,) = problem(answer, 422, answer.json()["type"].rpartition(":")[2])["errors"]
+    (fault,) = problem(answer, 422, answer.json()["code"])["errors"]
     assert fault["parameter"] == query.partition("=")[0]
 
 

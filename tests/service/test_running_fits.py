@@ -50,7 +50,7 @@ def test_a_fit_that_kills_its_workers_fails_and_the_next_succeeds(own: Server) -
         until(lambda: len(own.look(fit).get("progress", [])) < 7)  # it starts anew, or has failed
     ended = own.look(fit, wait=10)
     assert ended["status"] == "failed"
-    assert ended["problem"]["type"] == "urn:ipfit:problem:worker-crashed"
+    assert ended["problem"]["type"] == "/problems/worker-crashed"
     assert own.fit(npy(ellipse()))["status"] == "successful"
 
 
@@ -98,6 +98,6 @@ def test_progress_grows_while_a_fit_runs(own: Server) -> None:
 def test_a_fit_over_its_memory_fails_and_the_server_goes_on(start: Callable[..., Server]) -> None:
     server = start(WORKERS=1, WORKER_MEMORY=2**29, MAX_POINTS=200_000)
     fit = server.fit(npy(torus(100_000)), "t1=0&max_degree=12&factor=block")  # which holds its system
-    assert (fit["status"], fit["problem"]["type"]) == ("failed", "urn:ipfit:problem:out-of-memory"), fit
+    assert (fit["status"], fit["problem"]["type"]) == ("failed", "/problems/out-of-memory"), fit
     assert server.fit(npy(ellipse()))["status"] == "successful"
     server.stop()

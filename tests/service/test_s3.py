@@ -100,7 +100,7 @@ def test_a_cluster_whose_s3_is_away_accepts_nothing_and_loses_nothing(
         fit = server.fit(npy(ellipse()), prefer="respond-async")
         s3.kill()
         answer = server.client.post("/v1/fits", content=npy(ellipse(61)), headers=NPY)
-        assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready"), answer.text
+        assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready"), answer.text
         assert "Retry-After" in answer.headers
         worker = cluster.work()
         until(lambda: "cannot be read" in worker.log)

@@ -27,7 +27,7 @@ def test_a_store_that_fails_is_503(start: Callable[..., Server]) -> None:
             server.client.get("/readyz"),
             server.client.post("/v1/fits", content=npy(ellipse()), headers=headers),
         ):
-            assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready")
+            assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready")
             assert "Retry-After" in answer.headers
         assert server.client.get("/livez").is_success
         database.execute("ALTER TABLE elsewhere RENAME TO fits")
@@ -76,7 +76,7 @@ def test_a_stopping_server_lets_fits_end_and_answers_meanwhile(start: Callable[.
         first.process.send_signal(signal.SIGTERM)
         until(lambda: first.client.get("/readyz").status_code == 503)
         refused = first.client.post("/v1/fits", content=npy(ellipse()), headers=NPY)
-        assert (refused.status_code, refused.json()["type"]) == (503, "urn:ipfit:problem:shutting-down")
+        assert (refused.status_code, refused.json()["type"]) == (503, "/problems/shutting-down")
         assert patient.result().json()["status"] == "successful"
     assert first.process.wait(10.0) == 0
     first.client.close()
@@ -110,7 +110,7 @@ def test_a_full_disk_is_503_and_accepts_nothing(start: Callable[..., Server]) ->
     resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))
     for content in (npy(ellipse(61)), npy(ellipse(1000))):
         answer = server.client.post("/v1/fits", content=content, headers=NPY)
-        assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready"), answer.text
+        assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready"), answer.text
         assert "Retry-After" in answer.headers
     assert server.look(kept)["status"] == "successful"
     resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
@@ -126,7 +126,7 @@ def test_a_full_queue_is_503_and_says_when_to_come_again(start: Callable[..., Se
     server.under_way(fits[0], degree=1)
     fits += [server.fit(LONG, HALF_A_MINUTE, "respond-async") for _ in range(2)]
     answer = server.client.post("/v1/fits", content=npy(ellipse()), headers=NPY)
-    assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:queue-full")
+    assert (answer.status_code, answer.json()["type"]) == (503, "/problems/queue-full")
     assert int(answer.headers["Retry-After"]) >= 10
     server.client.delete(f"/v1/fits/{fits[1]['id']}")
     assert server.fit(npy(ellipse()), prefer="respond-async")["status"] == "accepted"

@@ -156,7 +156,7 @@ def test_a_killed_worker_process_costs_its_part_one_try_and_the_second_the_fit(s
 
     ended = until(struck)
     assert ended["status"] == "failed", ended
-    assert ended["problem"]["type"] == "urn:ipfit:problem:worker-crashed", ended
+    assert ended["problem"]["type"] == "/problems/worker-crashed", ended
     assert site.parts() == []
     assert server.fit(npy(sphere()))["status"] == "successful"
 
@@ -190,7 +190,7 @@ def test_dismissed_its_parts_are_killed_and_gone_at_once(site: Site) -> None:
 def test_a_part_that_fails_fails_the_fit(site: Site) -> None:
     server = site.up(FIT_DEADLINE=0.3)
     fit = server.fit(huge(), FIVE_LAYERS)
-    assert fit["problem"]["type"] == "urn:ipfit:problem:deadline-exceeded", fit
+    assert fit["problem"]["type"] == "/problems/deadline-exceeded", fit
     assert site.parts() == []
 
 

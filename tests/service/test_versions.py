@@ -164,7 +164,7 @@ def test_a_replica_that_starts_before_its_database_answers_503_until_it_is_there
             server.client.get("/readyz"),
             server.client.post("/v1/fits", content=npy(ellipse()), headers={"Content-Type": "application/x-npy"}),
         ):
-            assert (answer.status_code, answer.json()["type"]) == (503, "urn:ipfit:problem:not-ready")
+            assert (answer.status_code, answer.json()["type"]) == (503, "/problems/not-ready")
         other = Server(tmp_path / "other", ready=False, DATABASE_URL=url, BLOBS_URL=f"file://{tmp_path / 'blobs'}")
         other.stop()  # which does not wait for a database either
         postgres.start()

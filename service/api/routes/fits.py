@@ -1,4 +1,4 @@
-"""The routes of fits: POST one, read it, dismiss it."""
+"""The routes of fits: POST one, read it, dismiss or remove it."""
 
 from http import HTTPStatus
 from typing import Annotated
@@ -6,19 +6,22 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.api import body, negotiation
+from service.api.answers import phase
 from service.api.dependencies import ContextDep
 from service.api.fragments import (
     IDEMPOTENCY_KEY,
+    IF_MATCH,
     IF_NONE_MATCH,
     POINT_SET_BODY,
     PREFER,
+    REPLAYED,
     ZERO_SET_FILES,
     ZERO_SET_HEADERS,
     problems,
 )
-from service.api.parameters import READING, FitId, FitQuery, client_address, idempotency_key
+from service.api.parameters import READING, FitId, FitQuery, Purge, client_address, idempotency_key
 from service.api.preferences import DEFAULT_WAIT, Preferences
-from service.api.representation import fit_path, fit_response, zero_set_response
+from service.api.representation import check_match, fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
 from service.jobs.mesh_request import MeshRequest
 from service.options import requested
@@ -35,9 +38,9 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
             "model": FitResource,
             "description": "The fit has ended.",
             "content": ZERO_SET_FILES,
-            "headers": ZERO_SET_HEADERS,
+            "headers": ZERO_SET_HEADERS | REPLAYED,
         },
-        202: {"model": FitResource, "description": "Accepted; see Location."},
+        202: {"model": FitResource, "description": "Accepted; see Location.", "headers": REPLAYED},
         **problems(400, 406, 409, 413, 415, 422, 503),
     },
 )
@@ -49,23 +52,30 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     stand in the JSON body or in the query; the query wins.
     """
     fits, limits = context.fits, context.limits
-    sent = negotiation.point_set_format(request, query.format)
-    async with body.received(request, limits.body_bytes, context.incoming) as content:
-        points = await fits.read(content, sent, columns=query.columns, missing=query.missing)
+    sent, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
+    with phase(request, "read"):
+        async with body.received(request, limits.body_bytes, context.incoming) as content:
+            points = await fits.read(content, sent, columns=query.columns, missing=query.missing)
     options = requested(points.options, query.model_dump(exclude_unset=True, exclude=READING))
     options = limits.capped(points.dimension, options)
     plan = fits.plan(points, options)
     limits.check_system(points, plan)
     wanted = negotiation.wanted_file(request, points.dimension)
-    fit = await fits.accept(points, options, plan, client_address(request), idempotency_key(request))
+    with phase(request, "store"):
+        fit, replayed = await fits.accept(points, options, plan, client_address(request), key)
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
-    fit = await fits.get(fit.id, seconds)
+    with phase(request, "wait"):
+        fit = await fits.get(fit.id, seconds)
     headers = {"Location": fit_path(request, fit.id), **preferences.applied(seconds)}
+    if replayed:
+        headers["Idempotency-Replayed"] = "true"
     if not fit.status.final:
         return fit_response(request, fit, await fits.progress(fit), HTTPStatus.ACCEPTED, headers)
     if wanted is not None:
-        return zero_set_response(fit.id, wanted, await fits.zero_set(fit.id, MeshRequest(wanted.name)), headers)
+        with phase(request, "mesh"):
+            file = await fits.zero_set(fit.id, MeshRequest(wanted.name))
+        return zero_set_response(fit.id, wanted, file, headers)
     return fit_response(request, fit, [], headers=headers)
 
 
@@ -73,26 +83,37 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     "/{fit_id}",
     summary="Look at a fit",
     openapi_extra={"parameters": [PREFER, IF_NONE_MATCH]},
-    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **problems(404)},
+    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **problems(404, 422, 503)},
 )
 async def read(request: Request, context: ContextDep, fit_id: FitId) -> Response:
     """Return a fit; with `Prefer: wait=N`, after at most N seconds if it is still live."""
     preferences = Preferences.of(request)
     seconds = preferences.seconds(0.0, context.limits.wait)
-    fit = await context.fits.get(fit_id, seconds)
+    with phase(request, "wait"):
+        fit = await context.fits.get(fit_id, seconds)
     return fit_response(request, fit, await context.fits.progress(fit), headers=preferences.applied(seconds))
 
 
 @router.delete(
     "/{fit_id}",
     summary="Dismiss or remove a fit",
+    openapi_extra={"parameters": [IF_MATCH]},
     responses={
-        200: {"model": FitResource, "description": "It was live and is dismissed now."},
-        204: {"description": "It had ended and is removed now."},
-        **problems(404),
+        200: {"model": FitResource, "description": "It has ended: it was dismissed now, or had ended before."},
+        204: {"description": "It is removed, with its points."},
+        **problems(404, 412, 422, 503),
     },
 )
-async def dismiss(request: Request, context: ContextDep, fit_id: FitId) -> Response:
-    """Dismiss a live fit, killing the process that works on it; or remove one that has ended, with its points."""
-    fit = await context.fits.dismiss(fit_id)
-    return Response(status_code=HTTPStatus.NO_CONTENT) if fit is None else fit_response(request, fit, [])
+async def dismiss(request: Request, context: ContextDep, fit_id: FitId, *, purge: Purge = False) -> Response:
+    """Dismiss a fit if it is live, killing the process that works on it; with `purge=true`, remove it as well.
+
+    Without `purge`, a fit that has ended stays as it is, so that the request may be sent again.
+    """
+    fits = context.fits
+    fit = await fits.get(fit_id)
+    check_match(request, fit, await fits.progress(fit))
+    fit = await fits.dismiss(fit_id)
+    if purge:
+        await fits.purge(fit_id)
+        return Response(status_code=HTTPStatus.NO_CONTENT)
+    return fit_response(request, fit, [])

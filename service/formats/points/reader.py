@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from service.formats.points import decode
+from service.formats.points import decode, write
 from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.ports import Workers
@@ -39,3 +39,10 @@ class PointSetReader:
             return await asyncio.to_thread(read)
         points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
         return points
+
+    async def write(self, content: bytes, dimension: int, form: str) -> bytes:
+        """Return a stored point set as a file of the format `form`; see `write.write`."""
+        if form == "npy":
+            return content
+        written: bytes = await self.workers.run(write.write, content, dimension, form, deadline=self.deadline)
+        return written
