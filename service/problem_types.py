@@ -135,6 +135,24 @@ _ALL = (
         "An Idempotency-Key names one request: take a new key for other points or other options.",
     ),
     ProblemType(
+        "unauthorized",
+        _S.UNAUTHORIZED,
+        "No valid API key",
+        "Send `Authorization: Bearer KEY` with a key that the operator of this server gave you.",
+    ),
+    ProblemType(
+        "range-not-satisfiable",
+        _S.REQUESTED_RANGE_NOT_SATISFIABLE,
+        "The range lies outside of the file",
+        "`Content-Range` has the length of the file.",
+    ),
+    ProblemType(
+        "quota-exceeded",
+        _S.TOO_MANY_REQUESTS,
+        "Your quota is used up",
+        "Nothing was accepted: wait as long as `Retry-After` says. `RateLimit` has what is left of each quota.",
+    ),
+    ProblemType(
         "head-too-large",
         _S.REQUEST_HEADER_FIELDS_TOO_LARGE,
         "The request's head is too large",

@@ -57,8 +57,18 @@ class Settings(BaseSettings):
     short_workers: int = Field(
         1, ge=0, description="More workers, which run short fits only, so that these do not wait for long ones."
     )
-    worker_memory: int = Field(
-        8 * 2**30, ge=2**29, description="Memory that a worker may take, in bytes; a fit that needs more fails."
+    mesh_workers: int = Field(1, ge=1, description="Meshes and other files that are made at once, a process each.")
+    worker_memory: int | None = Field(
+        None,
+        ge=2**29,
+        description="Memory that a worker may take, in bytes; a fit that needs more fails. By default an equal share, "
+        "0.5 to 8 GiB, of what the machine or the container has.",
+    )
+    server_memory: int = Field(
+        2 * 2**30,
+        ge=2**29,
+        description="Memory that the server process itself may take, in bytes; a request that would need more is "
+        "answered with 503.",
     )
     tasks_per_worker: int = Field(100, ge=1, description="Tasks after which a worker process is replaced.")
     fit_deadline: float = Field(
@@ -75,6 +85,25 @@ class Settings(BaseSettings):
         30.0, ge=1.0, description="Seconds after which a fit is taken from a supervisor that is not heard of any more."
     )
     queue_limit: int = Field(1000, ge=1, description="Fits that may wait; more are answered with 503.")
+    queue_bytes: int = Field(
+        8 * 2**30, ge=2**20, description="Bytes that the points of waiting fits may take; beyond, 503 is the answer."
+    )
+    client_share: float = Field(
+        0.5,
+        gt=0,
+        le=1,
+        description="The share of the waiting fits that may be of one client: an API key, or an address if there are "
+        "no keys; more are answered with 429.",
+    )
+    waiting_requests: int = Field(
+        16, ge=1, description="Uploads, and meshes, that may wait for their worker; more are answered with 503."
+    )
+    transit_bytes: int = Field(
+        2**30, ge=2**20, description="Bytes of bodies that may be on their way in at once; more are answered with 503."
+    )
+    api_keys: Path | None = Field(
+        None, description="A file with the API keys that may call this server; without it everybody may."
+    )
     keep_seconds: float = Field(7 * 86400.0, gt=0, description="Seconds that a fit is kept after its end.")
     keep_bytes: int = Field(
         10 * 2**30, ge=0, description="Bytes that ended fits may take; beyond, the oldest are removed."
@@ -83,6 +112,10 @@ class Settings(BaseSettings):
         8.0, ge=0, description="Seconds that running fits get to end after SIGTERM; the others run again later."
     )
     mesh_deadline: float = Field(60.0, gt=0, description="Seconds that reading an input or making a mesh may take.")
+    max_mesh_bytes: int = Field(256 * 2**20, ge=2**20, description="Largest file of a zero set, in bytes.")
+    mesh_cache_bytes: int = Field(
+        2**30, ge=2**20, description="Bytes on disk that meshes and other files may take, to be sent again."
+    )
     max_body_bytes: int = Field(64 * 2**20, ge=1024, description="Largest request body, in bytes.")
     max_points: int = Field(1_000_000, ge=4, description="Most points in a point set.")
     max_degree_2d: int = Field(40, ge=1, le=40, description="Highest `max_degree` that a 2D fit may ask for.")

@@ -7,6 +7,7 @@ from tempfile import NamedTemporaryFile
 
 from fastapi import Request
 
+from service.api.transit import Transit
 from service.jobs.errors import NotReadyError, TooLargeError
 
 # Bytes up to which a body stays in memory and is read in a thread, in a millisecond or two. A larger one is written to
@@ -15,8 +16,10 @@ IN_MEMORY_BYTES = 256 * 1024
 
 
 @asynccontextmanager
-async def received(request: Request, most: int, folder: Path) -> AsyncIterator[bytes | Path]:
+async def received(request: Request, most: int, folder: Path, transit: Transit) -> AsyncIterator[bytes | Path]:
     """Yield the body as bytes if it is small, else as a file in `folder` that is removed afterwards.
+
+    Its bytes are counted in `transit` until then.
 
     Raises
     ------
@@ -24,12 +27,41 @@ async def received(request: Request, most: int, folder: Path) -> AsyncIterator[b
         If it has more than `most` bytes; the rest is then not read.
     NotReadyError
         If a large one cannot be written to disk.
+    QueueFullError
+        If too many bytes of bodies are on their way in.
 
     """
+    with _counted(transit, request) as stream:
+        async with _received(request, stream, most, folder) as content:
+            yield content
+
+
+@contextmanager
+def _counted(transit: Transit, request: Request) -> Iterator[AsyncIterator[bytes]]:
+    """Yield the stream of a body, whose bytes are counted."""
+    counted = 0
+
+    async def stream() -> AsyncIterator[bytes]:
+        nonlocal counted
+        async for chunk in request.stream():
+            transit.enter(len(chunk))
+            counted += len(chunk)
+            yield chunk
+
+    try:
+        yield stream()
+    finally:
+        transit.leave(counted)
+
+
+@asynccontextmanager
+async def _received(
+    request: Request, stream: AsyncIterator[bytes], most: int, folder: Path
+) -> AsyncIterator[bytes | Path]:
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced) > most:
         raise _too_large(most)
-    head, stream = bytearray(), request.stream()
+    head = bytearray()
     async for chunk in stream:
         head += chunk
         if len(head) > IN_MEMORY_BYTES:

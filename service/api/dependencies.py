@@ -7,6 +7,8 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from service.api.limits import Limits
+from service.api.transit import Transit
+from service.api_keys import ApiKeys
 from service.jobs.use_cases import FitService
 
 
@@ -22,12 +24,18 @@ class Context:
         The limits on a request.
     incoming
         Folder of large bodies while they are read.
+    transit
+        Counts the bytes of bodies.
+    keys
+        The API keys; None if everybody may call.
 
     """
 
     fits: FitService
     limits: Limits
     incoming: Path
+    transit: Transit
+    keys: ApiKeys | None = None
 
 
 def _context(request: Request) -> Context:

@@ -50,6 +50,22 @@ IDEMPOTENCY_KEY = {
     "schema": {"type": "string", "minLength": 3, "maxLength": 2 * LONGEST_KEY + 2},
     "example": '"8e03978e-40d5-43dd-bc93-6894a57f9324"',
 }
+RANGE = {
+    "name": "Range",
+    "in": "header",
+    "description": "One range of bytes, such as `bytes=0-1023`: 206 with these bytes.",
+    "schema": {"type": "string"},
+}
+RATE_LIMIT = {
+    "RateLimit": {
+        "description": "What is left of each quota: `r` fits now; after `t` seconds there will be more.",
+        "schema": {"type": "string"},
+    },
+    "RateLimit-Policy": {
+        "description": "The quotas: `waiting` fits at once, and `hourly` fits.",
+        "schema": {"type": "string"},
+    },
+}
 REPLAYED = {
     "Idempotency-Replayed": {
         "description": "`true` if an earlier request with the same Idempotency-Key made the fit.",
@@ -68,13 +84,16 @@ POINT_SET_BODY = {
 
 _PROBLEMS: dict[int | str, dict[str, Any]] = {
     400: problem("The body is not what its media type says."),
+    401: problem("The server has API keys, and the request none of them."),
     404: problem("There is no such fit."),
     406: problem("The zero set cannot be had in that format."),
     409: problem("The fit has not ended, or ended without a result."),
     412: problem("The fit is not in the state that If-Match names."),
     413: problem("The body, the points or the system are over a limit of this server."),
+    416: problem("The range lies outside of the file."),
     415: problem("The body is of a media type or an encoding that is not read here."),
     422: problem("The point set cannot be fitted, or an option or a parameter has a value that is not allowed."),
+    429: problem("A quota of the caller is used up; RateLimit has what is left."),
     503: problem("The server is stopping, its queue is full, its store fails, or the work took too long."),
 }
 

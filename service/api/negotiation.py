@@ -17,6 +17,8 @@ from service.jobs.media_types import (
     zero_set_formats,
 )
 
+# Of files, the first that a caller likes best.
+ENCODINGS = ("zstd", "gzip")
 MOST_RANGES = 64  # of an Accept header that count: browsers send some ten
 
 
@@ -62,6 +64,18 @@ def returned_point_set_format(request: Request, named: str | None) -> PointSetFo
         known = ", ".join(f"{one.name} ({one.media_type})" for one in POINT_SET_FORMATS)
         raise HTTPException(HTTPStatus.NOT_ACCEPTABLE, f"Accept: {accept[:100]}: points come as {known}")
     return best
+
+
+def content_encoding(request: Request) -> str | None:
+    """Return the encoding in which the caller takes a file: the better liked of `zstd` and `gzip`; None for neither."""
+    accept = request.headers.get("accept-encoding", "")
+    best = max(ENCODINGS, key=lambda name: _encoding_quality(accept, name))
+    return best if _encoding_quality(accept, best) > 0.0 else None
+
+
+def _encoding_quality(accept: str, name: str) -> float:
+    found = dict(reversed(_ranges(accept)))
+    return found.get(name, found.get("*", 0.0))
 
 
 def zero_set_format(request: Request, dimension: int, named: str | None = None) -> ZeroSetFormat:

@@ -135,8 +135,3 @@ def idempotency_key(request: Request) -> str | None:
             '"torus-1" with its quotes',
         )
     return key
-
-
-def client_address(request: Request) -> str:
-    """Return the address that the connection comes from; the queue is fair between addresses."""
-    return request.client.host if request.client is not None else ""

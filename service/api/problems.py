@@ -15,6 +15,7 @@ from starlette.requests import ClientDisconnect
 
 from service.api.answers import ids
 from service.api.methods import allowed
+from service.api.rate_limit import rate_limit_fields
 from service.choices import OneOf
 from service.jobs import errors
 from service.problem_types import PROBLEM_TYPES, ProblemType
@@ -22,6 +23,8 @@ from service.problem_types import PROBLEM_TYPES, ProblemType
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
+# Types of problems with which a request is answered whose body may not have been read to its end.
+_UNREAD = {"too-large", "unauthorized", "quota-exceeded", "queue-full"}
 # Faults that are reported of one request, at most.
 MOST_FAULTS = 10
 
@@ -36,6 +39,8 @@ TABLE: tuple[tuple[type[Exception], str], ...] = (
     (errors.DeadlineExceededError, "deadline-exceeded"),
     (errors.OutOfMemoryError, "out-of-memory"),
     (errors.WorkerCrashedError, "worker-crashed"),
+    (errors.UnauthorizedError, "unauthorized"),
+    (errors.QuotaExceededError, "quota-exceeded"),
     (errors.KeyReusedError, "key-reused"),
     (errors.QueueFullError, "queue-full"),
     (errors.ShuttingDownError, "shutting-down"),
@@ -115,6 +120,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _invalid_request)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(ClientDisconnect, _gone)
+    app.add_exception_handler(MemoryError, _out_of_memory)
     app.add_exception_handler(Exception, _unexpected)
 
 
@@ -125,9 +131,13 @@ def _job_error(request: Request, error: Exception) -> Response:
     if PROBLEM_TYPES[code].status is HTTPStatus.SERVICE_UNAVAILABLE:
         logger.warning("%s: %s", code, error, exc_info=error.__cause__)
     headers = {}
-    if isinstance(error, errors.QueueFullError):
+    if isinstance(error, errors.QueueFullError | errors.QuotaExceededError):
         headers["Retry-After"] = str(ceil(error.retry_after))
-    if code == "too-large":  # else the server would read the rest of the body, however long it is
+    if isinstance(error, errors.QuotaExceededError):
+        headers |= rate_limit_fields(error.allowances)
+    if isinstance(error, errors.UnauthorizedError):
+        headers["WWW-Authenticate"] = "Bearer"
+    if code in _UNREAD:  # else the server would read the rest of the body, however long it is
         headers["Connection"] = "close"
     return response(request, code, str(error), faults, headers)
 
@@ -174,6 +184,11 @@ def _http_error(request: Request, error: Exception) -> Response:
     if status is HTTPStatus.METHOD_NOT_ALLOWED:
         headers["Allow"] = ", ".join(sorted(allowed(request.scope)))
     return response(request, code, details.get(status, str(error.detail)), headers=headers)
+
+
+def _out_of_memory(request: Request, _error: Exception) -> Response:
+    logger.warning("the server has no memory for a request (IPFIT_SERVER_MEMORY)")
+    return response(request, "out-of-memory", "the server has no memory for this request at the moment")
 
 
 def _unexpected(request: Request, error: Exception) -> Response:

@@ -8,10 +8,11 @@ import orjson
 from fastapi import Request, Response
 
 from service.api import preconditions, problems
+from service.api.file_response import file_response
+from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Fit
 from service.jobs.media_types import PointSetFormat, ZeroSetFormat
 from service.jobs.warning_codes import with_codes
-from service.jobs.zero_set_file import ZeroSetFile
 from service.problem_types import PROBLEM_TYPES
 
 ZERO_SET_WARNING = "Zero-Set-Warning"  # the header that says that the grid of a zero set was too coarse
@@ -64,28 +65,28 @@ def fit_path(request: Request, fit_id: str) -> str:
     return f"{problems.root_path(request)}/v1/fits/{fit_id}"
 
 
-def points_response(request: Request, fit: Fit, sent: PointSetFormat, content: bytes) -> Response:
-    """Return a point set as a response; its ETag is that of the points, which never change."""
-    etag = preconditions.strong_etag(fit.input.key.encode(), sent.name.encode())
-    headers = {
-        "ETag": etag,
-        "Vary": "Accept",
-        "Cache-Control": "private, max-age=3600",
-        "Content-Disposition": f'inline; filename="{fit.id}.{sent.name}"',
-    }
-    if preconditions.is_known(request, etag):
-        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
-    return Response(content, headers=headers, media_type=sent.media_type)
+def points_response(request: Request, fit: Fit, sent: PointSetFormat, file: ExportedFile, name: str) -> Response:
+    """Return the file of a point set, which is called `name`, as a response."""
+    return file_response(request, file, name, sent.media_type, _file_name(fit, sent.name))
 
 
-def zero_set_response(
-    fit_id: str, sent: ZeroSetFormat, file: ZeroSetFile, headers: dict[str, str] | None = None
+def zero_set_response(  # noqa: PLR0913, PLR0917 - the parts of the response
+    request: Request,
+    fit: Fit,
+    sent: ZeroSetFormat,
+    file: ExportedFile,
+    name: str,
+    headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return the file of a zero set as a response; its warning stands in a header."""
-    named = {"Content-Disposition": f'inline; filename="{fit_id}.{sent.name}"', "Vary": "Accept", **(headers or {})}
+    """Return the file of a zero set, which is called `name`, as a response; its warning stands in a header."""
+    named = _file_name(fit, sent.name) | (headers or {})
     if file.warning is not None:
         named[ZERO_SET_WARNING] = file.warning
-    return Response(file.content, headers=named, media_type=sent.media_types[0])
+    return file_response(request, file, name, sent.media_types[0], named)
+
+
+def _file_name(fit: Fit, ending: str) -> dict[str, str]:
+    return {"Content-Disposition": f'inline; filename="{fit.id}.{ending}"'}
 
 
 def as_dict(fit: Fit, progress: list[dict[str, Any]], root: str = "") -> dict[str, Any]:

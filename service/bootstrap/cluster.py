@@ -5,8 +5,6 @@ import logging
 import signal
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import psycopg
 from psycopg.conninfo import make_conninfo
@@ -24,6 +22,7 @@ from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.migrations import MigrationStep
 from service.store.schema import TIMEOUTS, postgres_engine
+from service.temporary_folders import temporary_folder
 
 logger = logging.getLogger(__name__)
 
@@ -40,9 +39,9 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         queue = FitListener(store, _conninfo(settings))
         listening = asyncio.create_task(queue.listen())
         try:
-            with TemporaryDirectory(prefix="ipfit-") as incoming:
-                async with components.fit_service(settings, store, blobs, queue) as fits:
-                    yield Context(fits, components.limits(settings), Path(incoming))
+            with temporary_folder() as incoming, temporary_folder() as files:
+                async with components.fit_service(settings, store, blobs, queue, files) as fits:
+                    yield components.context(settings, fits, incoming)
         finally:
             listening.cancel()
 
@@ -80,7 +79,7 @@ def _conninfo(settings: Settings) -> str:
 
 
 def _stores(settings: Settings, engine: Engine) -> tuple[SqlFits, Blobs]:
-    store = SqlFits(engine, settings.queue_limit, ProcrastinateJobs())
+    store = SqlFits(engine, components.admission(settings), ProcrastinateJobs())
     return store, Blobs(settings.blobs_url or str(settings.data_dir.absolute() / "blobs"))
 
 

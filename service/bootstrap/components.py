@@ -1,16 +1,24 @@
 """The components that an embedded server and a cluster both have."""
 
 import asyncio
+import logging
 import os
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 from uuid import uuid4
 
+from service.api.dependencies import Context
 from service.api.limits import Limits
+from service.api.transit import Transit
+from service.api_keys import ApiKeys
+from service.bootstrap import memory
 from service.connections.limits import ConnectionLimits
+from service.formats.exports import Exports
+from service.formats.file_cache import FileCache
 from service.formats.points.reader import PointSetReader
-from service.formats.zero_set.exporter import MeshExporter
+from service.jobs.admission import Admission
 from service.jobs.fit import MAX_CRASHES
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
@@ -19,19 +27,28 @@ from service.jobs.use_cases import FitService
 from service.queue.runner import Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
+from service.workers.fair_seats import FairSeats
 from service.workers.planner_adapter import FitPlanner
 from service.workers.pool import WorkerPool
+
+logger = logging.getLogger(__name__)
 
 
 @asynccontextmanager
 async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
     """Yield a pool whose workers have started."""
-    made = WorkerPool(size, settings.tasks_per_worker, settings.worker_memory, tries)
+    made = WorkerPool(size, settings.tasks_per_worker, memory_of_a_worker(settings), tries)
     try:
         await made.warm_up()
         yield made
     finally:
         await asyncio.to_thread(made.close)
+
+
+def memory_of_a_worker(settings: Settings) -> int:
+    """Return the bytes that a worker process may take."""
+    processes = settings.workers + settings.short_workers + settings.mesh_workers + 1
+    return settings.worker_memory or memory.worker_memory(processes, settings.server_memory)
 
 
 @asynccontextmanager
@@ -51,15 +68,25 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 
 @asynccontextmanager
 async def fit_service(
-    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue
+    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue, files: Path
 ) -> AsyncIterator[FitService]:
-    """Yield the use cases, with a worker of their own that reads bodies and exports zero sets while fits run."""
-    async with pool(settings, 1, tries=MAX_CRASHES) as readers:
-        reader = PointSetReader(readers, settings.max_points, settings.mesh_deadline)
-        exporter = MeshExporter(readers, settings.mesh_deadline)
-        yield FitService(
-            store, blobs, queue, reader, exporter, planner=FitPlanner(), split_points=settings.split_points
-        )
+    """Yield the use cases, with workers of their own that read bodies, and that make files in the folder `files`.
+
+    They work while fits run, and neither do uploads wait for meshes nor meshes for uploads.
+    """
+    deadline, places = settings.mesh_deadline, settings.waiting_requests
+    async with pool(settings, 1, MAX_CRASHES) as readers, pool(settings, settings.mesh_workers, MAX_CRASHES) as makers:
+        reading = FairSeats("uploads", 1, places, deadline)
+        making = FairSeats("files", settings.mesh_workers, places, deadline)
+        reader = PointSetReader(readers, reading, settings.max_points, deadline)
+        cache = FileCache(files, settings.mesh_cache_bytes)
+        exports = Exports(makers, making, cache, blobs, deadline, settings.max_mesh_bytes)
+        yield FitService(store, blobs, queue, reader, exports, planner=FitPlanner(), split_points=settings.split_points)
+
+
+def admission(settings: Settings) -> Admission:
+    """Return the limits of the queue."""
+    return Admission(settings.queue_limit, settings.queue_bytes, settings.client_share)
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:
@@ -77,6 +104,16 @@ def limits(settings: Settings) -> Limits:
         system_bytes=settings.max_system_bytes,
         wait=settings.max_wait,
     )
+
+
+def context(settings: Settings, fits: FitService, incoming: Path) -> Context:
+    """Return the context of the routes."""
+    keys = None if settings.api_keys is None else ApiKeys.read(settings.api_keys)
+    if keys is None:
+        logger.warning("everybody who reaches this server may use it: there are no API keys (IPFIT_API_KEYS)")
+    else:
+        logger.info("%d API keys were read", len(keys.callers))
+    return Context(fits, limits(settings), incoming, Transit(settings.transit_bytes), keys)
 
 
 def connection_limits(settings: Settings) -> ConnectionLimits:

@@ -19,16 +19,16 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
     """Yield the context of a server that resumes the fits which an earlier one left, and close it again."""
     with opened(settings.data_dir) as folder:
         engine = sqlite_engine(folder.database)
-        store, blobs = SqlFits(engine, settings.queue_limit), Blobs(settings.blobs_url or str(folder.blobs))
+        store, blobs = SqlFits(engine, components.admission(settings)), Blobs(settings.blobs_url or str(folder.blobs))
         sweeping = asyncio.create_task(components.retention(settings, store, blobs).keep_sweeping())
         try:
             async with components.fitters(settings) as fitters:
                 runner = components.runner(settings, store, blobs, fitters, publish=False)
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
-                async with components.fit_service(settings, store, blobs, queue) as fits:
+                async with components.fit_service(settings, store, blobs, queue, folder.files) as fits:
                     try:
                         await queue.resume()
-                        yield Context(fits, components.limits(settings), folder.incoming)
+                        yield components.context(settings, fits, folder.incoming)
                     finally:
                         await queue.close()
         finally:

@@ -14,6 +14,7 @@ COMMANDS = (
     fit.fit,
     server.serve,
     worker.worker,
+    server.key,
     server.openapi,
     server.settings,
     server.options,

@@ -1,5 +1,7 @@
 """Commands about the server: run it, print its OpenAPI document, settings and options, check that it is ready."""
 
+import os
+import resource
 import signal
 import socket
 import sys
@@ -15,6 +17,7 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
+from service.api_keys import ApiKeysError, new_key
 from service.bootstrap import application, connection_limits, drain, end_drain
 from service.cli.option_texts import table as fit_options
 from service.connections.protocol import guarded
@@ -71,8 +74,30 @@ def serve(
     chosen = chosen_settings().model_copy(update={name: value for name, value in given.items() if value is not None})
     # Uvicorn raises the signals that it received again when it has stopped; the exit code is to be 0 all the same.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    protect(chosen.server_memory)
     with suppress(KeyboardInterrupt):
         _Server(application(chosen), chosen).run()
+
+
+def protect(memory: int) -> None:
+    """Limit the memory of this process, and let nobody but its user read the files that it makes.
+
+    Its workers, which inherit both, set a limit of their own.
+    """
+    os.umask(0o077)
+    hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+    resource.setrlimit(resource.RLIMIT_DATA, (memory if hard == resource.RLIM_INFINITY else min(memory, hard), hard))
+
+
+def key(name: Annotated[str, typer.Argument(help="The caller: letters, digits, dots, hyphens, underscores.")]) -> None:
+    """Make an API key: print it once, and the entry for the file that IPFIT_API_KEYS names."""
+    try:
+        made, entry = new_key(name)
+    except ApiKeysError as error:
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(2) from error
+    typer.echo(f"# the key, for the caller; it is stored nowhere: {made}")
+    typer.echo(entry, nl=False)
 
 
 def openapi() -> None:

@@ -1,6 +1,10 @@
 """The errors that the use cases raise. `service.api.problems` has the one table from these to HTTP statuses."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from service.jobs.admission import Allowance
 
 
 class JobError(Exception):
@@ -77,6 +81,28 @@ class QueueFullError(JobError):
         """Take the message and the time."""
         super().__init__(message)
         self.retry_after = retry_after
+
+
+class QuotaExceededError(JobError):
+    """The caller has used up a quota; others may go on.
+
+    Attributes
+    ----------
+    allowances
+        What the caller may still send, one `service.jobs.admission.Allowance` for each quota.
+    retry_after
+        Seconds after which there will probably be room again.
+
+    """
+
+    def __init__(self, message: str, allowances: Sequence["Allowance"], retry_after: float) -> None:
+        """Take the message, the allowances and the time."""
+        super().__init__(message)
+        self.allowances, self.retry_after = allowances, retry_after
+
+
+class UnauthorizedError(JobError):
+    """The request has no API key, or one that is not known here."""
 
 
 class KeyReusedError(JobError):

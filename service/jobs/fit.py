@@ -145,7 +145,9 @@ class Fit:
     requested
         The options, as the caller gave them.
     client
-        The address that sent it; the queue is fair between clients.
+        Who sent it: the queue is fair between clients.
+    owner
+        The name of the API key to which it belongs; empty if it was sent without one.
     cost
         Predicted seconds.
     key, payload
@@ -185,6 +187,7 @@ class Fit:
     unsummed: int = 0
     whole: str | None = None
     slice: Slice | None = None
+    owner: str = ""
 
     @property
     def short(self) -> bool:

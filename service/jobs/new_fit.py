@@ -7,12 +7,13 @@ from uuid import uuid4
 import orjson
 
 import ipcore
+from service.jobs.caller import Caller
 from service.jobs.fit import Fit, FitStatus, PointSetRef, ReceivedPoints
 from service.jobs.requested_options import RequestedOptions
 
 
 def new_fit(
-    points: ReceivedPoints, requested: RequestedOptions, plan: ipcore.Plan, client: str, key: str | None
+    points: ReceivedPoints, requested: RequestedOptions, plan: ipcore.Plan, caller: Caller, key: str | None
 ) -> Fit:
     """Return a new, accepted fit. Its payload is the same for the same points, dimension and given options."""
     payload = orjson.dumps([points.key, points.dimension, requested.given], option=orjson.OPT_SORT_KEYS)
@@ -22,7 +23,8 @@ def new_fit(
         input=PointSetRef(points.key, points.dimension, points.points, len(points.content), points.summary),
         requested=requested,
         created=datetime.now(UTC),
-        client=client,
+        client=caller.client,
+        owner=caller.owner,
         cost=plan.seconds,
         key=key,
         payload=hashlib.sha256(payload).hexdigest(),

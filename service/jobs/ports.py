@@ -1,24 +1,30 @@
 """The ports of the domain, as Protocols: what it needs from outside. `service.bootstrap` connects the adapters."""
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import ipcore
-from service.jobs.fit import Failure, Fit, FitStatus, ReceivedPoints
+from service.jobs.admission import Admission, Usage
+from service.jobs.caller import Caller, Quota
+from service.jobs.exported_file import ExportedFile
+from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef, ReceivedPoints
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.page import Page
-from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
+NO_QUOTA = Quota()
 
 
 class FitStore(Protocol):
     """Stores fits durably. Every method is one transaction; one that `TRANSITIONS` forbids changes nothing."""
 
-    def add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
+    def add(
+        self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = (), quota: Quota = NO_QUOTA
+    ) -> Fit:
         """Store a new fit with its parts and return it, or return the earlier fit with the same key and payload.
 
         `store_input` is called while no other process can remove the same input. When this returns, the fit and its
@@ -28,16 +34,26 @@ class FitStore(Protocol):
         ------
         KeyReusedError
             If the earlier fit with this key has another payload.
-        QueueFullError
-            If too many fits wait.
+        QueueFullError, QuotaExceededError
+            If too many fits wait, of all callers or of this one.
 
         """
+
+    def has_key(self, owner: str, key: str) -> bool:
+        """Return whether a fit of this owner was stored with an idempotency key."""
+
+    def usage(self, caller: Caller) -> Usage:
+        """Return what waits, and what this caller has of it."""
+
+    @property
+    def admission(self) -> Admission:
+        """Return the limits of the queue."""
 
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
 
-    def listed(self, page: Page) -> Sequence[Fit]:
-        """Return the fits of a page, without their results and their parts."""
+    def listed(self, page: Page, owner: str) -> Sequence[Fit]:
+        """Return the fits of a page and an owner, without their results and their parts."""
 
     def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
         """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None.
@@ -157,15 +173,21 @@ class FitQueue(Protocol):
 
 
 class Reader(Protocol):
-    """Reads point sets from the bodies of requests, and writes them again."""
+    """Reads point sets from the bodies of requests."""
 
     async def read(
-        self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
+        self,
+        body: bytes | Path,
+        kind: str,
+        *,
+        columns: str | None = None,
+        missing: Missing = "refuse",
+        client: str = "",
     ) -> ReceivedPoints:
         """Read a body, or the file that holds it, in the format `kind`, and check it.
 
         `columns` says what each column of a table holds; `missing`, whether a point with a missing value is refused or
-        left out.
+        left out; `client`, in whose turn it is read.
 
         Raises
         ------
@@ -173,9 +195,6 @@ class Reader(Protocol):
             If it cannot be read or fitted.
 
         """
-
-    async def write(self, content: bytes, dimension: int, form: str) -> bytes:
-        """Return a stored point set as a file of the format `form`."""
 
 
 class Planner(Protocol):
@@ -192,8 +211,37 @@ class Planner(Protocol):
         """
 
 
-class MeshExporter(Protocol):
-    """Makes files of zero sets."""
+class Seats(Protocol):
+    """A number of seats for work, and a bounded queue for them."""
 
-    async def export(self, result: bytes, points: bytes, dimension: int, wanted: MeshRequest) -> ZeroSetFile:
-        """Return the file of the zero set of a fit, from its result as JSON and its point set as npy."""
+    def taken(self, client: str) -> AbstractAsyncContextManager[None]:
+        """Hold a seat; wait for it if need be, in turn with other clients.
+
+        Raises
+        ------
+        QueueFullError
+            If too many requests wait, or none of the seats became free in time.
+
+        """
+
+
+class Exports(Protocol):
+    """Makes files of fits. Equal files are made once."""
+
+    def zero_set_name(self, result: bytes, points: PointSetRef, wanted: MeshRequest) -> str:
+        """Return the name of the file of a zero set: the same for the same polynomial, request and version."""
+
+    async def zero_set(
+        self, result: bytes, points: PointSetRef, wanted: MeshRequest, encoding: str | None, client: str
+    ) -> ExportedFile:
+        """Return the file of the zero set of a fit, from its result as JSON, compressed if `encoding` is given.
+
+        Raises
+        ------
+        InvalidInputError, TooLargeError, NotReadyError, QueueFullError
+            If it cannot be extracted, is too large, its points cannot be read, or too many files are wanted.
+
+        """
+
+    async def points(self, points: PointSetRef, form: str, encoding: str | None, client: str) -> ExportedFile:
+        """Return a point set as a file of the format `form`, compressed if `encoding` is given."""

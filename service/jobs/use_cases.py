@@ -2,29 +2,33 @@
 
 import asyncio
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
 import ipcore
+from service.jobs.admission import Allowance
+from service.jobs.caller import Caller, Quota
 from service.jobs.errors import (
     FitNotFinishedError,
     FitNotFoundError,
     FitWithoutResultError,
     JobError,
     NotReadyError,
+    QueueFullError,
+    QuotaExceededError,
     ShuttingDownError,
 )
+from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Fit, ReceivedPoints
 from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.new_fit import new_fit
 from service.jobs.page import Page
 from service.jobs.parts import split
-from service.jobs.ports import BlobStore, FitQueue, FitStore, MeshExporter, Planner, Reader
+from service.jobs.ports import BlobStore, Exports, FitQueue, FitStore, Planner, Reader
 from service.jobs.requested_options import RequestedOptions
-from service.jobs.zero_set_file import ZeroSetFile
 
 T = TypeVar("T")
 FIT_ID = re.compile("[0-9a-f]{32}")
@@ -39,20 +43,44 @@ class FitService:
         blobs: BlobStore,
         queue: FitQueue,
         reader: Reader,
-        exporter: MeshExporter,
+        exports: Exports,
         *,
         planner: Planner,
         split_points: int,
     ) -> None:
         """Use these ports; split fits of more than `split_points` points that can be made from moments."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._exporter, self._planner, self._split_points = reader, exporter, planner, split_points
+        self._reader, self._exports, self._planner, self._split_points = reader, exports, planner, split_points
+
+    async def check_room(self, caller: Caller, key: str | None = None) -> list[Allowance]:
+        """Return what the caller may still send, before the body of a request is read.
+
+        Raises
+        ------
+        NotReadyError, ShuttingDownError, QueueFullError, QuotaExceededError
+            If a fit of this caller would not be accepted now; but not if one was accepted with the same key.
+
+        """
+        self._refuse_when_stopping()
+        admission, usage = self._store.admission, await _call_store(self._store.usage, caller)
+        try:
+            admission.check(usage, caller.quota)
+        except (QueueFullError, QuotaExceededError):
+            if key is None or not await _call_store(self._store.has_key, caller.owner, key):
+                raise
+        return admission.allowances(usage, caller.quota)
 
     async def read(
-        self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
+        self,
+        body: bytes | Path,
+        kind: str,
+        *,
+        columns: str | None = None,
+        missing: Missing = "refuse",
+        client: str = "",
     ) -> ReceivedPoints:
         """Read and check the body of a request, in the format `kind`; nothing is accepted yet."""
-        return await self._reader.read(body, kind, columns=columns, missing=missing)
+        return await self._reader.read(body, kind, columns=columns, missing=missing, client=client)
 
     def plan(self, points: ReceivedPoints, requested: RequestedOptions) -> ipcore.Plan:
         """Return what a fit will take; nothing is accepted yet.
@@ -70,7 +98,7 @@ class FitService:
         points: ReceivedPoints,
         requested: RequestedOptions,
         plan: ipcore.Plan,
-        client: str = "",
+        caller: Caller,
         key: str | None = None,
     ) -> tuple[Fit, bool]:
         """Store a fit and queue it. When this returns, it survives a crash.
@@ -83,76 +111,86 @@ class FitService:
             The point set and the options.
         plan
             What `plan` returned for them.
-        client
-            The address that sent it.
+        caller
+            Who sent it.
         key
             Idempotency key: a second call with the same key returns the fit of the first.
 
         Raises
         ------
-        NotReadyError, ShuttingDownError, QueueFullError
-            If it cannot be stored, the server is about to stop, or too many fits wait.
+        NotReadyError, ShuttingDownError, QueueFullError, QuotaExceededError
+            If it cannot be stored, the server is about to stop, or too many fits wait, of all callers or of this one.
         KeyReusedError
             If an earlier call with this key had another point set or other options.
 
         """
         self._refuse_when_stopping()
-        new, parts = new_fit(points, requested, plan, client, key), list[Fit]()
+        new, parts = new_fit(points, requested, plan, caller, key), list[Fit]()
         if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
-        fit = await self._add(new, points.content, parts)
+        fit = await self._add(new, points.content, parts, caller.quota)
         if fit.id != new.id:
             return fit, True
         for one in parts or [fit]:
             self._queue.submit(one)
         return fit, False
 
-    async def _add(self, new: Fit, content: bytes, parts: list[Fit]) -> Fit:
+    async def _add(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> Fit:
         """Store a fit with its input; if that fails, remove the input, which may take the last room on the disk."""
         try:
-            return await _call_store(self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts)
+            return await _call_store(
+                self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts, quota
+            )
         except NotReadyError:
             with suppress(Exception):
                 await asyncio.to_thread(self._store.discard, new.input.key, self._blobs.delete)
             raise
 
-    async def get(self, fit_id: str, wait: float = 0.0) -> Fit:
+    async def get(self, caller: Caller, fit_id: str, wait: float = 0.0) -> Fit:
         """Return a fit, after at most `wait` seconds if it is still live.
 
         Raises
         ------
         FitNotFoundError
-            If there is none.
+            If there is none, or it belongs to another owner.
         NotReadyError
             If the store fails.
 
         """
-        fit = await self._get(fit_id)
+        fit = await self._get(caller, fit_id)
         if wait > 0.0 and not fit.status.final:
             await self._queue.wait(fit_id, wait)
-            fit = await self._get(fit_id)
+            fit = await self._get(caller, fit_id)
         return fit
 
     async def progress(self, fit: Fit) -> list[dict[str, Any]]:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    async def zero_set(self, fit_id: str, wanted: MeshRequest) -> ZeroSetFile:
-        """Return the file of the zero set of a successful fit.
+    def zero_set_name(self, fit: Fit, wanted: MeshRequest) -> str:
+        """Return the name of the file of a zero set: the same for the same polynomial, request and version.
 
         Raises
         ------
         FitNotFinishedError, FitWithoutResultError
-            If it has no result yet, or will never have one.
+            If the fit has no result yet, or will never have one.
 
         """
-        fit = await self._get(fit_id)
-        if not fit.status.final:
-            raise FitNotFinishedError(f"fit {fit_id} is {fit.status}; its zero set can be drawn when it is successful")
-        if fit.result is None:
-            raise FitWithoutResultError(f"fit {fit_id} is {fit.status} and has no zero set")
-        points = await self._input(fit)
-        return await self._exporter.export(fit.result, points, fit.input.dimension, wanted)
+        return self._exports.zero_set_name(_result(fit), fit.input, wanted)
+
+    async def zero_set(
+        self, caller: Caller, fit: Fit, wanted: MeshRequest, encoding: str | None = None
+    ) -> ExportedFile:
+        """Return the file of the zero set of a successful fit, compressed if `encoding` is given.
+
+        Raises
+        ------
+        FitNotFinishedError, FitWithoutResultError
+            If the fit has no result yet, or will never have one.
+
+        """
+        export = self._exports.zero_set(_result(fit), fit.input, wanted, encoding, caller.client)
+        return await self._exported(caller, fit, export)
 
     async def check(self) -> None:
         """Check that the server is ready: fits can be looked up, and new ones are accepted.
@@ -166,31 +204,31 @@ class FitService:
         self._refuse_when_stopping()
         await _call_store(self._store.count_waiting)
 
-    async def listed(self, page: Page) -> Sequence[Fit]:
-        """Return the fits of a page, without their results."""
-        return await _call_store(self._store.listed, page)
+    async def listed(self, caller: Caller, page: Page) -> Sequence[Fit]:
+        """Return the caller's fits of a page, without their results."""
+        return await _call_store(self._store.listed, page, caller.owner)
 
-    async def points(self, fit: Fit, form: str) -> bytes:
-        """Return the points of a fit as a file of this format."""
-        content = await self._input(fit)
-        return await self._reader.write(content, fit.input.dimension, form)
+    async def points(self, caller: Caller, fit: Fit, form: str, encoding: str | None = None) -> ExportedFile:
+        """Return the points of a fit as a file of this format, compressed if `encoding` is given."""
+        return await self._exported(caller, fit, self._exports.points(fit.input, form, encoding, caller.client))
 
-    async def dismiss(self, fit_id: str) -> Fit:
+    async def dismiss(self, caller: Caller, fit_id: str) -> Fit:
         """Dismiss a fit if it is live, kill its worker, and return the fit."""
+        await self._get(caller, fit_id)
         if await _call_store(self._store.dismiss, fit_id):
             self._queue.cancel(fit_id)
-        return await self._get(fit_id)
+        return await self._get(caller, fit_id)
 
-    async def purge(self, fit_id: str) -> None:
+    async def purge(self, caller: Caller, fit_id: str) -> None:
         """Remove a fit that has ended, with its points."""
+        await self._get(caller, fit_id)
         await _call_store(self._store.remove, fit_id, self._blobs.delete)
 
-    async def _input(self, fit: Fit) -> bytes:
-        """Return the points of a fit as they are stored."""
+    async def _exported(self, caller: Caller, fit: Fit, export: Awaitable[ExportedFile]) -> ExportedFile:
         try:
-            return await _call_store(self._blobs.get, fit.input.key)
+            return await export
         except NotReadyError:
-            await self._get(fit.id)  # raises FitNotFoundError if the fit was removed in this moment
+            await self._get(caller, fit.id)  # raises FitNotFoundError if the fit was removed in this moment
             raise
 
     async def drain(self, seconds: float) -> None:
@@ -205,12 +243,20 @@ class FitService:
         if self._queue.stopping:
             raise ShuttingDownError("the server is stopping; try again when it is back")
 
-    async def _get(self, fit_id: str) -> Fit:
+    async def _get(self, caller: Caller, fit_id: str) -> Fit:
         # no database is asked for what no fit can be called: PostgreSQL does not take a text with a zero byte
         fit = await _call_store(self._store.get, fit_id) if FIT_ID.fullmatch(fit_id) else None
-        if fit is None or fit.whole is not None:  # parts are internal
+        if fit is None or fit.owner != caller.owner or fit.whole is not None:  # parts are internal
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit
+
+
+def _result(fit: Fit) -> bytes:
+    if not fit.status.final:
+        raise FitNotFinishedError(f"fit {fit.id} is {fit.status}; its zero set can be had when it is successful")
+    if fit.result is None:
+        raise FitWithoutResultError(f"fit {fit.id} is {fit.status} and has no zero set")
+    return fit.result
 
 
 async def _call_store(call: Callable[..., T], *arguments: object) -> T:

@@ -2,7 +2,7 @@
 
 import fcntl
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +35,11 @@ class DataFolder:
         return self.path / "blobs"
 
     @property
+    def files(self) -> Path:
+        """Return the path of the folder with the meshes and other files that were made."""
+        return self.path / "files"
+
+    @property
     def incoming(self) -> Path:
         """Return the path of the folder with the bodies of requests that are being read."""
         return self.path / "incoming"
@@ -51,7 +56,10 @@ def opened(path: Path) -> Iterator[DataFolder]:
 
     """
     folder = DataFolder(path.absolute())
-    folder.incoming.mkdir(parents=True, exist_ok=True)
+    for one in (folder.path, folder.incoming, folder.files):
+        one.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with suppress(PermissionError):  # another user made it for this one, as for a volume of a container
+        folder.path.chmod(folder.path.stat().st_mode & 0o770)
     with (folder.path / "lock").open("w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the system releases it when the process ends
@@ -59,6 +67,6 @@ def opened(path: Path) -> Iterator[DataFolder]:
             raise FolderInUseError(
                 f"another server uses {folder.path}; set IPFIT_DATA_DIR to another folder"
             ) from error
-        for left in folder.incoming.iterdir():
+        for left in (*folder.incoming.iterdir(), *folder.files.iterdir()):
             left.unlink()
         yield folder

@@ -8,43 +8,46 @@ import orjson
 from sqlalchemy import Connection, Engine, select
 from sqlalchemy.exc import IntegrityError
 
-from service.jobs.errors import KeyReusedError, QueueFullError
+from service.jobs.admission import Admission, Usage
+from service.jobs.caller import Caller, Quota
+from service.jobs.errors import KeyReusedError
 from service.jobs.fit import Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.page import Page
+from service.jobs.ports import NO_QUOTA
 from service.store import mapping, queries, transitions
 from service.store.input_locks import InputLocks
 from service.store.schema import fits
 from service.store.transitions import NOT_HELD, JobQueue
 
-# Seconds after which a caller is told to try again, at most, when the queue is full. The predicted time of a fit is an
-# upper estimate, and most fits stop early.
-LONGEST_RETRY = 30.0
-
 
 class SqlFits:
     """The fit store. Every method is one transaction."""
 
-    def __init__(self, engine: Engine, limit: int, queue: JobQueue | None = None) -> None:
-        """Use an engine whose tables exist, let at most `limit` fits wait, and keep `queue` up to date, if given."""
-        self._engine, self._limit, self._queue = engine, limit, queue
+    def __init__(self, engine: Engine, admission: Admission, queue: JobQueue | None = None) -> None:
+        """Use an engine whose tables exist, let fits wait within limits, and keep `queue` up to date, if given."""
+        self._engine, self.admission, self._queue = engine, admission, queue
         self._inputs = InputLocks(engine)
 
-    def add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = ()) -> Fit:
+    def add(
+        self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = (), quota: Quota = NO_QUOTA
+    ) -> Fit:
         """Store a new fit with its parts and its input, unless it was stored before."""
         try:
-            return self._add(fit, store_input, parts)
+            return self._add(fit, store_input, parts, quota)
         except IntegrityError:
             if fit.key is None:
                 raise
-            return self._add(fit, store_input, parts)  # finds the other fit with this key, which is committed by now
+            return self._add(
+                fit, store_input, parts, quota
+            )  # finds the other fit with this key, which is committed by now
 
-    def _add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit]) -> Fit:
+    def _add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit], quota: Quota) -> Fit:
         with self._inputs.locked(fit.input.key) as connection:
             earlier = self._earlier(connection, fit)
             if earlier is not None:
                 return earlier
-            self._check_limit(connection)
+            self.admission.check(queries.usage(connection, fit.client, fit.owner), quota)
             store_input()
             connection.execute(fits.insert(), [mapping.from_fit(one) for one in (fit, *parts)])
             if self._queue is not None:
@@ -52,16 +55,26 @@ class SqlFits:
                     transitions.enqueue(connection, self._queue, one)
         return fit
 
+    def has_key(self, owner: str, key: str) -> bool:
+        """Return whether a fit of this owner was stored with an idempotency key."""
+        with self._engine.connect() as connection:
+            return queries.has_key(connection, mapping.stored_key(owner, key))
+
+    def usage(self, caller: Caller) -> Usage:
+        """Return what waits, and what this caller has of it."""
+        with self._engine.connect() as connection:
+            return queries.usage(connection, caller.client, caller.owner)
+
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
         with self._engine.connect() as connection:
             row = queries.row(connection, fit_id)
         return None if row is None else mapping.to_fit(row)
 
-    def listed(self, page: Page) -> Sequence[Fit]:
-        """Return the fits of a page, without their results and their parts."""
+    def listed(self, page: Page, owner: str) -> Sequence[Fit]:
+        """Return the fits of a page and an owner, without their results and their parts."""
         with self._engine.connect() as connection:
-            return [mapping.to_fit(row) for row in queries.page(connection, page)]
+            return [mapping.to_fit(row) for row in queries.page(connection, page, owner)]
 
     def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
         """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None."""
@@ -165,7 +178,7 @@ class SqlFits:
     def count_waiting(self) -> int:
         """Return how many fits wait for a worker, themselves or with a part."""
         with self._engine.connect() as connection:
-            return mapping.backlog(connection)[0]
+            return queries.count_waiting(connection)
 
     def recover(self) -> int:
         """Set every running fit back to accepted and return how many; the server that ran them is gone."""
@@ -191,14 +204,8 @@ class SqlFits:
         """Return the fit that was stored with the same key, if this one has a key."""
         if fit.key is None:
             return None
-        row = connection.execute(select(fits).where(fits.c.key == fit.key)).one_or_none()
+        key = mapping.stored_key(fit.owner, fit.key)
+        row = connection.execute(select(fits).where(fits.c.key == key)).one_or_none()
         if row is not None and row.payload != fit.payload:
             raise KeyReusedError("this Idempotency-Key came before, with another point set or other options")
         return None if row is None else mapping.to_fit(row)
-
-    def _check_limit(self, connection: Connection) -> None:
-        count, cost = mapping.backlog(connection)
-        if count >= self._limit:
-            raise QueueFullError(
-                f"{count} fits wait already, as many as may", retry_after=min(cost / count, LONGEST_RETRY)
-            )

@@ -3,7 +3,7 @@
 from typing import Any
 
 import orjson
-from sqlalchemy import ColumnElement, Connection, Row, func, select, update
+from sqlalchemy import ColumnElement, Connection, Row, update
 
 from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef
 from service.jobs.point_set_summary import PointSetSummary
@@ -27,12 +27,9 @@ def update_where(connection: Connection, where: list[ColumnElement[bool]], **val
     return bool(connection.execute(update(fits).where(*where).values(**values)).rowcount)
 
 
-def backlog(connection: Connection) -> tuple[int, float]:
-    """Return how many fits wait for a worker, themselves or with a part, and the predicted seconds of all of them."""
-    whole = func.coalesce(fits.c.whole, fits.c.id)
-    query = select(func.count(whole.distinct()), func.coalesce(func.sum(fits.c.cost), 0.0)).where(*queued())
-    count, cost = connection.execute(query).one()
-    return int(count), float(cost)
+def stored_key(owner: str, key: str) -> str:
+    """Return the text under which an idempotency key is stored: it belongs to its owner. No key has a line feed."""
+    return f"{owner}\n{key}" if owner else key
 
 
 def from_fit(fit: Fit) -> dict[str, Any]:
@@ -46,8 +43,9 @@ def from_fit(fit: Fit) -> dict[str, Any]:
         "size": fit.input.size,
         "options": orjson.dumps(fit.requested.given),
         "client": fit.client,
+        "owner": fit.owner,
         "cost": fit.cost,
-        "key": fit.key,
+        "key": None if fit.key is None else stored_key(fit.owner, fit.key),
         "payload": fit.payload,
         "created": fit.created,
         "touched": fit.created,
@@ -70,8 +68,9 @@ def to_fit(row: Row[Any]) -> Fit:
         requested=RequestedOptions(orjson.loads(row.options)),
         created=row.created,
         client=row.client,
+        owner=row.owner,
         cost=row.cost,
-        key=row.key,
+        key=None if row.key is None else row.key.rpartition("\n")[2],
         payload=row.payload,
         started=row.started,
         finished=row.finished,

@@ -5,14 +5,17 @@ from datetime import timedelta
 from typing import Any
 
 import orjson
-from sqlalchemy import ColumnElement, Connection, Row, func, null, select
+from sqlalchemy import ColumnElement, Connection, Row, case, func, null, select
 
+from service.jobs.admission import HOUR, Usage
 from service.jobs.fit import FitStatus
 from service.jobs.page import Page
 from service.store import mapping
 from service.store.schema import fits
 from service.store.transitions import clock
 
+_WHOLE = func.coalesce(fits.c.whole, fits.c.id)  # of a part its fit, of a fit itself
+_COUNT_AND_FIRST = select(func.count(), func.min(fits.c.created))
 ENDED = [status for status in FitStatus if status.final]
 
 
@@ -21,10 +24,34 @@ def row(connection: Connection, fit_id: str) -> Row[Any] | None:
     return connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
 
 
-def page(connection: Connection, wanted: Page) -> list[Row[Any]]:
-    """Return the rows of a page of fits, without results."""
+def count_waiting(connection: Connection) -> int:
+    """Return how many fits wait for a worker, themselves or with a part."""
+    return int(connection.execute(select(func.count(_WHOLE.distinct())).where(*mapping.queued())).scalar_one())
+
+
+def usage(connection: Connection, client: str, owner: str) -> Usage:
+    """Return what waits, and what a client has of it; of an owner's fits, how many were accepted in an hour."""
+    mine = fits.c.client == client
+    own_whole, own_cost = case((mine, _WHOLE)), case((mine, fits.c.cost), else_=0.0)
+    sums = [func.sum(fits.c.cost), func.sum(fits.c.size), func.count(own_whole.distinct()), func.sum(own_cost)]
+    waiting = connection.execute(select(func.count(_WHOLE.distinct()), *sums).where(*mapping.queued())).one()
+    now = clock(connection)
+    recent = (fits.c.owner == owner, fits.c.whole.is_(None), fits.c.created > now - timedelta(seconds=HOUR))
+    count, first = (0, None) if not owner else connection.execute(_COUNT_AND_FIRST.where(*recent)).one()
+    count_all, seconds, size, own, own_seconds = (value or 0 for value in waiting)
+    age = 0.0 if first is None else (now - first).total_seconds()
+    return Usage(int(count_all), float(seconds), int(size), int(own), float(own_seconds), int(count), age)
+
+
+def has_key(connection: Connection, key: str) -> bool:
+    """Return whether any fit was stored with this idempotency key, as it is stored."""
+    return connection.execute(select(fits.c.id).where(fits.c.key == key)).first() is not None
+
+
+def page(connection: Connection, wanted: Page, owner: str) -> list[Row[Any]]:
+    """Return the rows of a page of fits of an owner, without results."""
     small = [column for column in fits.c if column.name not in {"result", "progress"}]
-    where: list[ColumnElement[bool]] = [fits.c.whole.is_(None)]
+    where: list[ColumnElement[bool]] = [fits.c.whole.is_(None), fits.c.owner == owner]
     if wanted.status is not None:
         where.append(fits.c.status == wanted.status)
     if wanted.before is not None:

@@ -82,6 +82,7 @@ fits = Table(
     Column("points", Integer, nullable=False),
     Column("options", LargeBinary, nullable=False),
     Column("client", String, nullable=False),
+    Column("owner", String, nullable=False, default="", server_default="", index=True),  # the name of its API key
     Column("cost", Float, nullable=False),
     Column("key", String, unique=True),  # NULL for fits without one
     Column("payload", String, nullable=False),
@@ -122,6 +123,8 @@ FITS = MigrationStep(
         "0.2.0 whole, found": "CREATE INDEX ix_fits_whole ON fits (whole)",
         "0.2.0 slice": "ALTER TABLE fits ADD COLUMN slice VARCHAR",
         "0.2.0 summary": "ALTER TABLE fits ADD COLUMN summary VARCHAR",
+        "0.2.0 owner": "ALTER TABLE fits ADD COLUMN owner VARCHAR NOT NULL DEFAULT ''",
+        "0.2.0 owner, found": "CREATE INDEX ix_fits_owner ON fits (owner)",
     },
     columns=frozenset(fits.columns.keys()),
 )

@@ -24,7 +24,7 @@ logger = logging.getLogger(__name__)
 # libraries read these variables when they are loaded, so they must be set before numpy is imported.
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # Modules that the fork server loads once, so that a new worker is ready in milliseconds.
-PRELOAD = ["service.workers.tasks", "service.formats.zero_set.exporter", "service.formats.points.reader"]
+PRELOAD = ["service.workers.tasks", "service.formats.exports", "service.formats.points.reader"]
 START_TRIES = 3  # of a worker: the system may kill one when memory is short
 # Seconds between two looks whether a killed process is dead; most are after a few milliseconds.
 DEATH_CHECK_SECONDS = 0.005

@@ -4,15 +4,15 @@ No lock is held while one is sent, so a worker that is killed cannot block the o
 """
 
 import os
-import shutil
 import socket
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from threading import Thread
 from typing import Any
 
 import orjson
+
+from service.temporary_folders import TemporaryFolder
 
 _LARGEST_REPORT = 65536  # bytes
 _STOP = b""
@@ -58,8 +58,8 @@ class Inbox:
 
     def __init__(self) -> None:
         """Open the socket and start the thread."""
-        self._folder = tempfile.mkdtemp(prefix="ipfit-")
-        self.address = str(Path(self._folder) / "progress")
+        self._folder = TemporaryFolder()
+        self.address = str(self._folder.path / "progress")
         self._listeners: dict[str, Callable[[Any], None]] = {}
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._socket.bind(self.address)
@@ -74,14 +74,14 @@ class Inbox:
     def worker(self, task: str) -> int | None:
         """Return the number of the process that works on a task, or None if none has begun."""
         try:
-            return int((Path(self._folder) / task).read_text(encoding="ascii"))
+            return int((self._folder.path / task).read_text(encoding="ascii"))
         except (FileNotFoundError, ValueError):  # the file may still be empty
             return None
 
     def forget(self, task: str) -> None:
         """Forget the listener of a task, and the number of its process."""
         self._listeners.pop(task, None)
-        (Path(self._folder) / task).unlink(missing_ok=True)
+        (self._folder.path / task).unlink(missing_ok=True)
 
     def close(self) -> None:
         """End the thread and remove the socket."""
@@ -89,7 +89,7 @@ class Inbox:
             me.sendto(_STOP, self.address)
         self._thread.join()
         self._socket.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._folder.remove()
 
     def _listen(self) -> None:
         while (message := self._socket.recv(_LARGEST_REPORT)) != _STOP:

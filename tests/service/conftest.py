@@ -7,6 +7,7 @@ import httpx
 import pytest
 from sqlalchemy import Engine, text
 
+from service.jobs.admission import Admission
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
 from service.store.schema import postgres_engine, sqlite_engine
@@ -46,10 +47,10 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
         engine: Engine = request.getfixturevalue("database")
         with engine.begin() as connection:
             connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-        yield SqlFits(engine, LIMIT, ProcrastinateJobs())
+        yield SqlFits(engine, Admission(LIMIT), ProcrastinateJobs())
         return
     engine = sqlite_engine(tmp_path / "fits.sqlite")
-    yield SqlFits(engine, LIMIT)
+    yield SqlFits(engine, Admission(LIMIT))
     engine.dispose()
 
 

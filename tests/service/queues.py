@@ -14,6 +14,7 @@ import orjson
 from sqlalchemy import Engine, text
 
 import ipcore
+from service.jobs.admission import Admission
 from service.jobs.errors import NotReadyError
 from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus, PointSetRef
 from service.jobs.lease_holder import LeaseHolder
@@ -79,7 +80,7 @@ class Bench:
     """A queue with its store, its blobs and its workers."""
 
     def __init__(self, folder: Path, engine: Engine, workers: WorkerPool) -> None:
-        self.engine, self.store, self.blobs = engine, SqlFits(engine, 1000), Blobs(str(folder / "blobs"))
+        self.engine, self.store, self.blobs = engine, SqlFits(engine, Admission(1000)), Blobs(str(folder / "blobs"))
         self.workers = workers
         self.queue = self.anew()
 

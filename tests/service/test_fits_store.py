@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from service.jobs.admission import Admission
 from service.jobs.fit import TRANSITIONS, Failure, FitStatus
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
@@ -137,7 +138,7 @@ def test_old_fits_and_the_oldest_beyond_a_size_are_outdated(store: SqlFits) -> N
 def test_everything_is_there_when_the_file_is_opened_again(tmp_path: Path) -> None:
     for _ in range(2):
         engine = sqlite_engine(tmp_path / "fits.sqlite")
-        store = SqlFits(engine, LIMIT)
+        store = SqlFits(engine, Admission(LIMIT))
         if store.get("one") is None:
             add(store, fit())
             lost = True

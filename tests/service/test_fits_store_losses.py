@@ -7,6 +7,7 @@ import pytest
 from procrastinate.exceptions import ConnectorException
 from sqlalchemy import Engine, text
 
+from service.jobs.admission import Admission
 from service.jobs.fit import MAX_ABANDONED, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.queue.procrastinate_jobs import ProcrastinateJobs
@@ -81,7 +82,7 @@ def test_crashes_are_counted_and_releases_are_not(store: SqlFits) -> None:
 def shared(database: Engine) -> SqlFits:
     with database.begin() as connection:
         connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-    return SqlFits(database, LIMIT, ProcrastinateJobs())
+    return SqlFits(database, Admission(LIMIT), ProcrastinateJobs())
 
 
 def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, database: Engine) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from sqlalchemy import Engine, text
 
+from service.jobs.admission import Admission
 from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.parts import split
@@ -175,7 +176,7 @@ def test_what_was_summed_is_no_fit_that_ended(store: SqlFits) -> None:
 def shared(database: Engine) -> SqlFits:
     with database.begin() as connection:
         connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-    return SqlFits(database, LIMIT, ProcrastinateJobs())
+    return SqlFits(database, Admission(LIMIT), ProcrastinateJobs())
 
 
 def test_parts_have_jobs_in_the_lane_of_the_long_and_then_the_fit_has_one(shared: SqlFits, database: Engine) -> None:

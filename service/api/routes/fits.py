@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, Request, Response
 
 from service.api import body, negotiation
 from service.api.answers import phase
+from service.api.callers import CallerDep
 from service.api.dependencies import ContextDep
 from service.api.fragments import (
     IDEMPOTENCY_KEY,
@@ -14,13 +15,16 @@ from service.api.fragments import (
     IF_NONE_MATCH,
     POINT_SET_BODY,
     PREFER,
+    RATE_LIMIT,
     REPLAYED,
     ZERO_SET_FILES,
     ZERO_SET_HEADERS,
     problems,
 )
-from service.api.parameters import READING, FitId, FitQuery, Purge, client_address, idempotency_key
+from service.api.parameters import READING, FitId, FitQuery, Purge, idempotency_key
 from service.api.preferences import DEFAULT_WAIT, Preferences
+from service.api.presence import while_present
+from service.api.rate_limit import rate_limit_fields
 from service.api.representation import check_match, fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
 from service.jobs.mesh_request import MeshRequest
@@ -38,13 +42,15 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
             "model": FitResource,
             "description": "The fit has ended.",
             "content": ZERO_SET_FILES,
-            "headers": ZERO_SET_HEADERS | REPLAYED,
+            "headers": ZERO_SET_HEADERS | REPLAYED | RATE_LIMIT,
         },
-        202: {"model": FitResource, "description": "Accepted; see Location.", "headers": REPLAYED},
-        **problems(400, 406, 409, 413, 415, 422, 503),
+        202: {"model": FitResource, "description": "Accepted; see Location.", "headers": REPLAYED | RATE_LIMIT},
+        **problems(400, 401, 406, 409, 413, 415, 422, 429, 503),
     },
 )
-async def create(request: Request, context: ContextDep, query: Annotated[FitQuery, Query()]) -> Response:
+async def create(
+    request: Request, context: ContextDep, caller: CallerDep, query: Annotated[FitQuery, Query()]
+) -> Response:
     """Take a point set, fit it in a worker, and answer with the fit.
 
     Waits up to `Prefer: wait=N` seconds (30 if not said); after that, or at once with `Prefer: respond-async`, the
@@ -53,29 +59,32 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     """
     fits, limits = context.fits, context.limits
     sent, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
+    left = rate_limit_fields(await fits.check_room(caller, key))
     with phase(request, "read"):
-        async with body.received(request, limits.body_bytes, context.incoming) as content:
-            points = await fits.read(content, sent, columns=query.columns, missing=query.missing)
+        async with body.received(request, limits.body_bytes, context.incoming, context.transit) as content:
+            reading = fits.read(content, sent, columns=query.columns, missing=query.missing, client=caller.client)
+            points = await while_present(request, reading)
     options = requested(points.options, query.model_dump(exclude_unset=True, exclude=READING))
     options = limits.capped(points.dimension, options)
     plan = fits.plan(points, options)
     limits.check_system(points, plan)
     wanted = negotiation.wanted_file(request, points.dimension)
     with phase(request, "store"):
-        fit, replayed = await fits.accept(points, options, plan, client_address(request), key)
+        fit, replayed = await fits.accept(points, options, plan, caller, key)
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     with phase(request, "wait"):
-        fit = await fits.get(fit.id, seconds)
-    headers = {"Location": fit_path(request, fit.id), **preferences.applied(seconds)}
+        fit = await while_present(request, fits.get(caller, fit.id, seconds))
+    headers = {"Location": fit_path(request, fit.id), **left, **preferences.applied(seconds)}
     if replayed:
         headers["Idempotency-Replayed"] = "true"
     if not fit.status.final:
         return fit_response(request, fit, await fits.progress(fit), HTTPStatus.ACCEPTED, headers)
     if wanted is not None:
+        mesh = MeshRequest(wanted.name)
         with phase(request, "mesh"):
-            file = await fits.zero_set(fit.id, MeshRequest(wanted.name))
-        return zero_set_response(fit.id, wanted, file, headers)
+            file = await while_present(request, fits.zero_set(caller, fit, mesh))
+        return zero_set_response(request, fit, wanted, file, fits.zero_set_name(fit, mesh), headers)
     return fit_response(request, fit, [], headers=headers)
 
 
@@ -83,14 +92,14 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     "/{fit_id}",
     summary="Look at a fit",
     openapi_extra={"parameters": [PREFER, IF_NONE_MATCH]},
-    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **problems(404, 422, 503)},
+    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **problems(401, 404, 422, 503)},
 )
-async def read(request: Request, context: ContextDep, fit_id: FitId) -> Response:
+async def read(request: Request, context: ContextDep, caller: CallerDep, fit_id: FitId) -> Response:
     """Return a fit; with `Prefer: wait=N`, after at most N seconds if it is still live."""
     preferences = Preferences.of(request)
     seconds = preferences.seconds(0.0, context.limits.wait)
     with phase(request, "wait"):
-        fit = await context.fits.get(fit_id, seconds)
+        fit = await while_present(request, context.fits.get(caller, fit_id, seconds))
     return fit_response(request, fit, await context.fits.progress(fit), headers=preferences.applied(seconds))
 
 
@@ -101,19 +110,21 @@ async def read(request: Request, context: ContextDep, fit_id: FitId) -> Response
     responses={
         200: {"model": FitResource, "description": "It has ended: it was dismissed now, or had ended before."},
         204: {"description": "It is removed, with its points."},
-        **problems(404, 412, 422, 503),
+        **problems(401, 404, 412, 422, 503),
     },
 )
-async def dismiss(request: Request, context: ContextDep, fit_id: FitId, *, purge: Purge = False) -> Response:
+async def dismiss(
+    request: Request, context: ContextDep, caller: CallerDep, fit_id: FitId, *, purge: Purge = False
+) -> Response:
     """Dismiss a fit if it is live, killing the process that works on it; with `purge=true`, remove it as well.
 
     Without `purge`, a fit that has ended stays as it is, so that the request may be sent again.
     """
     fits = context.fits
-    fit = await fits.get(fit_id)
+    fit = await fits.get(caller, fit_id)
     check_match(request, fit, await fits.progress(fit))
-    fit = await fits.dismiss(fit_id)
+    fit = await fits.dismiss(caller, fit_id)
     if purge:
-        await fits.purge(fit_id)
+        await fits.purge(caller, fit_id)
         return Response(status_code=HTTPStatus.NO_CONTENT)
     return fit_response(request, fit, [])

@@ -4,6 +4,7 @@ from urllib.parse import urlencode
 
 from fastapi import APIRouter, Request, Response
 
+from service.api.callers import CallerDep
 from service.api.dependencies import ContextDep
 from service.api.fragments import IF_NONE_MATCH, problems
 from service.api.parameters import Cursor, Limit, Status
@@ -19,17 +20,22 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
     "",
     summary="List fits",
     openapi_extra={"parameters": [IF_NONE_MATCH]},
-    responses={200: {"model": FitList}, 304: {"description": "Unchanged."}, **problems(422, 503)},
+    responses={200: {"model": FitList}, 304: {"description": "Unchanged."}, **problems(401, 422, 503)},
 )
-async def list_fits(
-    request: Request, context: ContextDep, status: Status = None, limit: Limit = 20, cursor: Cursor = None
+async def list_fits(  # noqa: PLR0913, PLR0917 - as for the mesh
+    request: Request,
+    context: ContextDep,
+    caller: CallerDep,
+    status: Status = None,
+    limit: Limit = 20,
+    cursor: Cursor = None,
 ) -> Response:
     """Return fits without their results, the newest first, in pages; `next`, and a Link header, lead to the next page.
 
     A page does not change when newer fits come.
     """
     page = Page.of(limit, status, cursor)
-    fits = await context.fits.listed(page)
+    fits = await context.fits.listed(caller, page)
     if len(fits) < limit:
         return list_response(request, fits, None)
     query = {"status": status, "limit": limit, "cursor": page.cursor(fits[-1])}

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from service.formats.points import decode, write
+from service.formats.points import decode
 from service.jobs.fit import ReceivedPoints
 from service.jobs.media_types import Missing
-from service.jobs.ports import Workers
+from service.jobs.ports import Seats, Workers
 
 
 @dataclass(frozen=True)
@@ -17,8 +17,8 @@ class PointSetReader:
 
     Attributes
     ----------
-    workers
-        Where large bodies are read.
+    workers, seats
+        Where large bodies are read, and for how many at once.
     max_points
         More are refused.
     deadline
@@ -27,22 +27,23 @@ class PointSetReader:
     """
 
     workers: Workers
+    seats: Seats
     max_points: int
     deadline: float
 
     async def read(
-        self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
+        self,
+        body: bytes | Path,
+        kind: str,
+        *,
+        columns: str | None = None,
+        missing: Missing = "refuse",
+        client: str = "",
     ) -> ReceivedPoints:
         """Read and check a body of this kind; see `decode.read`."""
         read = partial(decode.read, body, kind, self.max_points, columns=columns, missing=missing)
         if isinstance(body, bytes):
             return await asyncio.to_thread(read)
-        points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
+        async with self.seats.taken(client):
+            points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
         return points
-
-    async def write(self, content: bytes, dimension: int, form: str) -> bytes:
-        """Return a stored point set as a file of the format `form`; see `write.write`."""
-        if form == "npy":
-            return content
-        written: bytes = await self.workers.run(write.write, content, dimension, form, deadline=self.deadline)
-        return written
