@@ -36,7 +36,7 @@ IDEMPOTENCY_KEY = {
     "name": "Idempotency-Key",
     "in": "header",
     "description": "Any unique text. A request that is sent again with the same key gets the fit of the first; with "
-    "the same key and another point set or other options, 422.",
+    "the same key and another point set, other options or another callback, 422.",
     "schema": {"type": "string", "maxLength": LONGEST_KEY},
 }
 POINT_SET_BODY = {

@@ -3,11 +3,15 @@
 from typing import Any
 
 from fastapi import FastAPI
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from service.api.callback_schemas import FitEnded
 from service.api.problems import MEDIA_TYPE, Problem
 from service.api.schemas import FitRequest
 
+# Those that no route declares.
+MODELS: tuple[type[BaseModel], ...] = (FitRequest, Problem, FitEnded)
 _REF = "#/components/schemas/{model}"
 
 
@@ -18,7 +22,7 @@ class DocumentedApp(FastAPI):
         """Return the OpenAPI document."""
         if self.openapi_schema is None:
             document = super().openapi()
-            _, models = models_json_schema([(FitRequest, "validation"), (Problem, "validation")], ref_template=_REF)
+            _, models = models_json_schema([(one, "validation") for one in MODELS], ref_template=_REF)
             schemas = document["components"]["schemas"]
             schemas.update(models["$defs"])
             for operation in (operation for path in document["paths"].values() for operation in path.values()):

@@ -7,6 +7,7 @@ from typing import Any
 import orjson
 from fastapi import Request, Response
 
+from service.jobs.callback import Callback
 from service.jobs.fit import Fit
 from service.jobs.media_types import ZeroSetFormat
 from service.jobs.warning_codes import with_codes
@@ -62,6 +63,8 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
         "points": fit.input.points,
         "options": fit.requested.given,
     }
+    if fit.callback is not None:
+        members["callback"] = _callback(fit.callback)
     if not fit.status.final:
         members["progress"] = progress
     if fit.parts and not fit.status.final:
@@ -77,3 +80,13 @@ def as_dict(fit: Fit, progress: list[dict[str, Any]]) -> dict[str, Any]:
         result = orjson.loads(fit.result)
         members |= result | {"warnings": with_codes(result["warnings"])}
     return members
+
+
+def _callback(callback: Callback) -> dict[str, Any]:
+    """Return the members of `CallbackResource`."""
+    return {
+        "url": callback.shown_url,
+        "state": callback.state,
+        "tries": callback.tries,
+        "last_error": callback.last_error,
+    }

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
+from service.api.callback_schemas import CallbackResource
 from service.api.problems import Problem
 from service.choices import OneOf
 from service.jobs.warning_codes import WARNING_CODES
@@ -185,6 +186,7 @@ class FitResource(BaseModel):
     dimension: int = Field(description="d, 2 or 3.")
     points: int = Field(description="N, the number of points.")
     options: dict[str, Any] = Field(description="As asked for; with defaults filled in when successful.")
+    callback: CallbackResource | None = Field(None, description="Who is told of its end, if that was asked for.")
     progress: list[Step] = Field(default_factory=list, description="The degrees tried so far, while it is running.")
     parts: Parts | None = Field(None, description="How far its parts are, if it has any, while it is live.")
     problem: Problem | None = Field(None, description="Why it failed.")

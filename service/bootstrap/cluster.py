@@ -21,6 +21,7 @@ from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.queue.procrastinate_worker import ProcrastinateWorker
 from service.settings import Settings
 from service.store.blobs import Blobs
+from service.store.callbacks import SqlCallbacks
 from service.store.fits import SqlFits
 from service.store.migrations import MigrationStep
 from service.store.schema import TIMEOUTS, postgres_engine
@@ -41,7 +42,10 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         listening = asyncio.create_task(queue.listen())
         try:
             with TemporaryDirectory(prefix="ipfit-") as incoming:
-                async with components.fit_service(settings, store, blobs, queue) as fits:
+                async with (
+                    components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
+                    components.fit_service(settings, store, blobs, queue, callbacks) as fits,
+                ):
                     yield Context(fits, components.limits(settings), Path(incoming))
         finally:
             listening.cancel()

@@ -8,9 +8,15 @@ from contextlib import asynccontextmanager
 from uuid import uuid4
 
 from service.api.limits import Limits
+from service.callbacks.addresses import AllowedAddresses
+from service.callbacks.refused import NoCallbacks
+from service.callbacks.sender import HttpSender
+from service.callbacks.signature import Signer
 from service.connections.limits import ConnectionLimits
 from service.formats.points.reader import PointSetReader
 from service.formats.zero_set.exporter import MeshExporter
+from service.jobs.callback_ports import CallbackRules, CallbackStore
+from service.jobs.deliveries import Deliveries
 from service.jobs.fit import MAX_CRASHES
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
@@ -51,15 +57,42 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 
 @asynccontextmanager
 async def fit_service(
-    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue
+    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue, callbacks: CallbackRules
 ) -> AsyncIterator[FitService]:
     """Yield the use cases, with a worker of their own that reads bodies and exports zero sets while fits run."""
     async with pool(settings, 1, tries=MAX_CRASHES) as readers:
         reader = PointSetReader(readers, settings.max_points, settings.mesh_deadline)
         exporter = MeshExporter(readers, settings.mesh_deadline)
         yield FitService(
-            store, blobs, queue, reader, exporter, planner=FitPlanner(), split_points=settings.split_points
+            store,
+            blobs,
+            queue,
+            reader,
+            exporter,
+            planner=FitPlanner(),
+            callbacks=callbacks,
+            split_points=settings.split_points,
         )
+
+
+@asynccontextmanager
+async def callbacks(settings: Settings, store: CallbackStore) -> AsyncIterator[CallbackRules]:
+    """Deliver callbacks, if there is a secret to sign them with, and yield the rules for new ones."""
+    if settings.callback_secret is None:
+        yield NoCallbacks()
+        return
+    sender = HttpSender(
+        Signer.of(settings.callback_secret.get_secret_value()),
+        AllowedAddresses.of(settings.callback_allow_private),
+        allow_http=settings.callback_allow_http,
+    )
+    deliveries = Deliveries(store, sender, f"{settings.root_path}/v1/fits")
+    delivering = asyncio.create_task(deliveries.keep_delivering())
+    try:
+        yield sender
+    finally:
+        delivering.cancel()
+        await asyncio.gather(delivering, return_exceptions=True)
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import ipcore
+from service.jobs.callback_ports import CallbackRules
 from service.jobs.errors import (
     FitNotFinishedError,
     FitNotFoundError,
@@ -32,7 +33,7 @@ FIT_ID = re.compile("[0-9a-f]{32}")
 class FitService:
     """The use cases of fits. The stores block, so they are called in threads, and the event loop never waits."""
 
-    def __init__(  # noqa: PLR0913 - six ports, one setting
+    def __init__(  # noqa: PLR0913 - seven ports, one setting
         self,
         store: FitStore,
         blobs: BlobStore,
@@ -41,11 +42,13 @@ class FitService:
         exporter: MeshExporter,
         *,
         planner: Planner,
+        callbacks: CallbackRules,
         split_points: int,
     ) -> None:
         """Use these ports; split fits of more than `split_points` points that can be made from moments."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._exporter, self._planner, self._split_points = reader, exporter, planner, split_points
+        self._reader, self._exporter, self._planner = reader, exporter, planner
+        self._callbacks, self._split_points = callbacks, split_points
 
     async def read(
         self, body: bytes | Path, kind: str, *, columns: str | None = None, missing: Missing = "refuse"
@@ -64,13 +67,15 @@ class FitService:
         """
         return self._planner.plan(points, requested.complete)
 
-    async def accept(
+    async def accept(  # noqa: PLR0913 - what is fitted, how, for whom
         self,
         points: ReceivedPoints,
         requested: RequestedOptions,
         plan: ipcore.Plan,
         client: str = "",
         key: str | None = None,
+        *,
+        callback: str | None = None,
     ) -> Fit:
         """Store a fit and queue it. When this returns, it survives a crash.
 
@@ -84,17 +89,23 @@ class FitService:
             The address that sent it.
         key
             Idempotency key: a second call with the same key returns the fit of the first.
+        callback
+            URL that is told of the end of the fit.
 
         Raises
         ------
+        InvalidInputError
+            If nothing can or may be sent to the callback.
         NotReadyError, ShuttingDownError, QueueFullError
             If it cannot be stored, the server is about to stop, or too many fits wait.
         KeyReusedError
-            If an earlier call with this key had another point set or other options.
+            If an earlier call with this key had another point set, other options or another callback.
 
         """
         self._refuse_when_stopping()
-        new, parts = new_fit(points, requested, plan, client, key), list[Fit]()
+        if callback is not None:
+            self._callbacks.check(callback)
+        new, parts = new_fit(points, requested, plan, client=client, key=key, callback=callback), list[Fit]()
         if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
         fit = await self._add(new, points.content, parts)

@@ -11,7 +11,7 @@ from sqlalchemy.exc import IntegrityError
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
-from service.store import mapping, queries, transitions
+from service.store import mapping, outbox, queries, transitions
 from service.store.input_locks import InputLocks
 from service.store.schema import fits
 from service.store.transitions import NOT_HELD, JobQueue
@@ -46,6 +46,8 @@ class SqlFits:
             self._check_limit(connection)
             store_input()
             connection.execute(fits.insert(), [mapping.from_fit(one) for one in (fit, *parts)])
+            if fit.callback is not None:
+                outbox.add(connection, fit.id, fit.callback)
             if self._queue is not None:
                 for one in parts or [fit]:
                     transitions.enqueue(connection, self._queue, one)
@@ -54,8 +56,7 @@ class SqlFits:
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
         with self._engine.connect() as connection:
-            row = queries.row(connection, fit_id)
-        return None if row is None else mapping.to_fit(row)
+            return queries.fit(connection, fit_id)
 
     def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
         """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None."""
@@ -127,12 +128,13 @@ class SqlFits:
                 self._queue.cancel(connection, job)
             return done
 
-    def remove(self, fit_id: str, delete_input: Callable[[str], object]) -> bool:
+    def remove(self, fit_id: str, delete_input: Callable[[str], object], *, keep_callback: bool = False) -> bool:
         """Remove a fit that has ended, and delete its input if no other fit has the same."""
         ended = (fits.c.id == fit_id) & fits.c.status.in_(queries.ENDED) & fits.c.whole.is_(None)
         with self._engine.begin() as connection:
             key = connection.execute(select(fits.c.input).where(ended)).scalar()
-            connection.execute(fits.delete().where(ended))
+            if connection.execute(fits.delete().where(ended)).rowcount:
+                outbox.remove(connection, fit_id, keep_pending=keep_callback)
         if key is None:
             return False
         self.discard(key, delete_input)  # after the row, so that no fit ever lacks its points
@@ -187,7 +189,9 @@ class SqlFits:
             return None
         row = connection.execute(select(fits).where(fits.c.key == fit.key)).one_or_none()
         if row is not None and row.payload != fit.payload:
-            raise KeyReusedError("this Idempotency-Key came before, with another point set or other options")
+            raise KeyReusedError(
+                "this Idempotency-Key came before, with another point set, other options or another callback"
+            )
         return None if row is None else mapping.to_fit(row)
 
     def _check_limit(self, connection: Connection) -> None:

@@ -1,23 +1,25 @@
 """Questions about stored fits that change nothing."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
 import orjson
 from sqlalchemy import Connection, Row, func, select
 
-from service.jobs.fit import FitStatus
-from service.store import mapping
+from service.jobs.fit import Fit, FitStatus
+from service.store import mapping, outbox
 from service.store.schema import fits
 from service.store.transitions import clock
 
 ENDED = [status for status in FitStatus if status.final]
 
 
-def row(connection: Connection, fit_id: str) -> Row[Any] | None:
-    """Return the row of a fit, or None."""
-    return connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
+def fit(connection: Connection, fit_id: str) -> Fit | None:
+    """Return a fit with its callback, or None."""
+    row = connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
+    return None if row is None else replace(mapping.to_fit(row), callback=outbox.of_fit(connection, fit_id))
 
 
 def progress(connection: Connection, fit_id: str) -> list[dict[str, Any]]:

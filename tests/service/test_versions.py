@@ -88,6 +88,28 @@ def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine
         ]
 
 
+def shape(engine: Engine, name: str) -> list[tuple[str, str, bool, bool]]:
+    """Return the columns of a table: name, type, whether they may be null and whether they have an index."""
+    found = inspect(engine)
+    indexed = {column for index in found.get_indexes(name) for column in index["column_names"]}
+    kinds = {one["name"]: one["type"].compile(engine.dialect) for one in found.get_columns(name)}
+    times = {"DATETIME": "NUMERIC"}  # the same for SQLite, which knows neither of the two names of a time
+    return [
+        (one["name"], times.get(kinds[one["name"]], kinds[one["name"]]), one["nullable"], one["name"] in indexed)
+        for one in found.get_columns(name)
+    ]
+
+
+def test_a_migrated_table_of_callbacks_is_like_a_new_one(engine: Engine) -> None:
+    prepare(engine, [FITS])
+    made = shape(engine, "callbacks")
+    with engine.begin() as connection:
+        connection.execute(text("DROP TABLE callbacks"))
+        for step in ("0.2.0 callbacks", "0.2.0 callbacks, found"):
+            connection.execute(text(FITS.steps[step]))
+    assert shape(engine, "callbacks") == made
+
+
 def test_a_step_that_fails_leaves_the_database_as_it_was(engine: Engine) -> None:
     prepare(engine, [FITS])
     broken = dataclasses.replace(NEWER, steps=NEWER.steps | {"0.3.0": "ALTER TABLE elsewhere ADD COLUMN note VARCHAR"})

@@ -6,6 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.api import body, negotiation
+from service.api.callback_fragment import FIT_ENDED
 from service.api.dependencies import ContextDep
 from service.api.fragments import (
     IDEMPOTENCY_KEY,
@@ -16,7 +17,7 @@ from service.api.fragments import (
     ZERO_SET_HEADERS,
     problems,
 )
-from service.api.parameters import READING, FitId, FitQuery, client_address, idempotency_key
+from service.api.parameters import NO_OPTIONS, FitId, FitQuery, client_address, idempotency_key
 from service.api.preferences import DEFAULT_WAIT, Preferences
 from service.api.representation import fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
@@ -29,7 +30,11 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
 @router.post(
     "",
     summary="Fit a point set",
-    openapi_extra={"parameters": [PREFER, IDEMPOTENCY_KEY], "requestBody": POINT_SET_BODY},
+    openapi_extra={
+        "parameters": [PREFER, IDEMPOTENCY_KEY],
+        "requestBody": POINT_SET_BODY,
+        "callbacks": {"fitEnded": {"{$request.query.callback}": {"post": FIT_ENDED}}},
+    },
     responses={
         200: {
             "model": FitResource,
@@ -52,12 +57,13 @@ async def create(request: Request, context: ContextDep, query: Annotated[FitQuer
     sent = negotiation.point_set_format(request, query.format)
     async with body.received(request, limits.body_bytes, context.incoming) as content:
         points = await fits.read(content, sent, columns=query.columns, missing=query.missing)
-    options = requested(points.options, query.model_dump(exclude_unset=True, exclude=READING))
+    options = requested(points.options, query.model_dump(exclude_unset=True, exclude=NO_OPTIONS))
     options = limits.capped(points.dimension, options)
     plan = fits.plan(points, options)
     limits.check_system(points, plan)
     wanted = negotiation.wanted_file(request, points.dimension)
-    fit = await fits.accept(points, options, plan, client_address(request), idempotency_key(request))
+    sender, key = client_address(request), idempotency_key(request)
+    fit = await fits.accept(points, options, plan, sender, key, callback=query.callback)
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     fit = await fits.get(fit.id, seconds)
