@@ -10,6 +10,8 @@ LONGEST_URL = 2000  # characters
 PORTS = {"https": 443, "http": 80}
 # The characters of a URL (RFC 3986), without the # of a fragment, which is not sent.
 _URL = re.compile(r"[A-Za-z0-9._~:/?\[\]@!$&'()*+,;=%-]+")
+# A host and perhaps a port. Python 3.11 takes [::1].hooks.example for ::1.
+_AUTHORITY = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[^\[\]:]+)(:\d*)?")
 _NAME = re.compile(r"(?=.{1,253}$)([a-z0-9_]([a-z0-9_-]{0,61}[a-z0-9_])?\.)*[a-z0-9_]([a-z0-9_-]{0,61}[a-z0-9_])?")
 # Resolvers take a last label such as these for a number of an IPv4 address: 127.1, 0x7f000001.
 _NUMBER = re.compile(r"(.*\.)?(\d+|0x[0-9a-f]*)")
@@ -58,7 +60,8 @@ class Target:
         if "@" in parts.netloc:
             raise ValueError("it must not have a user name or a password; the signature says who sends")
         host = parts.hostname or ""
-        if port == 0 or not (is_address(host) or (_NAME.fullmatch(host) and not _NUMBER.fullmatch(host))):
+        named = is_address(host) or (_NAME.fullmatch(host) and not _NUMBER.fullmatch(host))
+        if port == 0 or not named or not _AUTHORITY.fullmatch(parts.netloc):
             raise ValueError("its host must be a name or an address, and its port from 1 to 65535")
         path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
         return cls(parts.scheme, host, port or PORTS[parts.scheme], path)

@@ -1,12 +1,17 @@
 """Where callbacks may go: every address and every URL of these tables."""
 
+import re
 import socket
 
+import h11
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from service.callbacks.addresses import AllowedAddresses
 from service.callbacks.sender import HttpSender
 from service.callbacks.signature import Signer
+from service.callbacks.target import Target
 from service.jobs.errors import InvalidInputError
 
 PUBLIC = ["1.1.1.1", "93.184.215.14", "172.15.255.255", "172.32.0.1", "100.128.0.1", "2606:4700::1111", "2a00:1450::1"]
@@ -146,6 +151,9 @@ def test_urls_that_are_taken(url: str) -> None:
         "https://[::1/",
         "https://[fe80::1%25eth0]/",
         "https://[hooks.example]/",
+        "https://[v1.hooks]/",
+        "https://[::1].hooks.example/",
+        "https://[2606:4700::1111]hooks.example/",
     ],
 )
 def test_urls_that_are_refused(url: str) -> None:
@@ -153,6 +161,19 @@ def test_urls_that_are_refused(url: str) -> None:
         sender().check(url)
     assert refused.value.at == ("callback",)
     assert len(str(refused.value)) < 200
+
+
+@settings(max_examples=500, deadline=None)
+@given(st.lists(st.sampled_from([*"abc019.:/?@[]%&=-_", "https://", "::1", "127.0.0.1", "hooks.example"]), max_size=12))
+def test_what_is_taken_makes_one_request_to_the_host_that_was_looked_at(parts: list[str]) -> None:
+    url = "https://" + "".join(parts)
+    try:
+        target = Target.of(url, allow_http=False)
+    except ValueError:
+        return
+    assert url[8:].startswith(target.authority.partition(":")[0] if ":" not in target.host else f"[{target.host}]")
+    assert re.fullmatch(r"[a-z0-9._-]+|[0-9a-f:.]+", target.host)
+    h11.Request(method="POST", target=target.path, headers=[("Host", target.authority)])  # raises if it cannot be sent
 
 
 def test_http_is_taken_if_that_is_allowed() -> None:

@@ -136,6 +136,16 @@ def test_of_many_who_look_each_takes_another_one(store: SqlFits, callbacks: SqlC
     assert sorted(found) == names
 
 
+@pytest.mark.parametrize("store", ["postgresql"], indirect=True)
+def test_nobody_waits_for_a_process_that_is_taking_one(store: SqlFits, callbacks: SqlCallbacks) -> None:
+    for name in ("one", "two"):
+        ended(store, name)
+    with engine_of(store).begin() as other:
+        other.exec_driver_sql("SELECT * FROM callbacks WHERE fit = 'one' FOR UPDATE")
+        other.exec_driver_sql("SET LOCAL idle_in_transaction_session_timeout = 5000")
+        assert taken(callbacks).fit_id == "two"
+
+
 def test_what_a_dead_process_took_is_due_again_after_its_lease(store: SqlFits, callbacks: SqlCallbacks) -> None:
     ended(store)
     first = taken(callbacks, 0.2)
