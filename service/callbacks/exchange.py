@@ -13,7 +13,7 @@ from service.callbacks.target import Target
 from service.jobs.delivery import Answer, NotDeliveredError
 
 CONNECT_SECONDS = 5.0  # with the handshake of TLS
-LINGER_SECONDS = 1.0  # for the rest of a response, of which nothing is used
+REST_SECONDS = 1.0  # for the rest of a response, of which nothing is used
 MOST_READ = 16 * 1024  # bytes of a response
 READ_SIZE = 4096
 
@@ -77,7 +77,7 @@ async def _answer(reader: asyncio.StreamReader, http: h11.Connection) -> Answer:
             http.receive_data(received)
     # Whoever writes the rest of a response in one more piece should not see its connection cut.
     with suppress(TimeoutError, OSError):
-        async with asyncio.timeout(LINGER_SECONDS):
+        async with asyncio.timeout(REST_SECONDS):
             while left > 0 and (received := await reader.read(min(left, READ_SIZE))):
                 left -= len(received)
     return Answer(event.status_code, _retry_after(dict(event.headers).get(b"retry-after", b"")))

@@ -20,7 +20,7 @@ from service.jobs.errors import InvalidInputError
 logger = logging.getLogger(__name__)
 
 TRY_SECONDS = 10.0  # from the look-up of the host to the head of the answer
-HEADERS = {"User-Agent": f"ipfit/{version('ipfit')}", "Content-Type": "application/json", "Accept": "*/*"}
+OWN_HEADERS = {"User-Agent": f"ipfit/{version('ipfit')}", "Content-Type": "application/json", "Accept": "*/*"}
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class HttpSender:
             target = Target.of(url, allow_http=self.allow_http)  # what is allowed may have changed
         except ValueError as error:
             raise NotDeliveredError(f"callback cannot be sent: {error}") from None
-        headers = HEADERS | self.signer.headers(message_id, int(time()), body)
+        headers = OWN_HEADERS | self.signer.headers(message_id, int(time()), body)
         try:
             async with asyncio.timeout(TRY_SECONDS):
                 return await exchange(target, await self._addresses(target), headers, body, self.tls)

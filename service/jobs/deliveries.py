@@ -15,7 +15,7 @@ from service.jobs.delivery import Answer, Delivery, NotDeliveredError, Outcome
 logger = logging.getLogger(__name__)
 
 # Seconds between two looks for callbacks that are due.
-LOOK_SECONDS = 1.0
+DUE_CHECK_SECONDS = 1.0
 # Seconds before the next look when the store failed.
 STORE_PAUSE = 5.0
 # Seconds after which a callback is tried again if the process that took it is not heard of. Twice as long as a try may
@@ -55,7 +55,7 @@ class Deliveries:
                 self._freed.clear()
                 await self._begin_due(tries)
                 with suppress(TimeoutError):
-                    async with asyncio.timeout(LOOK_SECONDS):
+                    async with asyncio.timeout(DUE_CHECK_SECONDS):
                         await self._freed.wait()
 
     async def _begin_due(self, tries: asyncio.TaskGroup) -> None:
