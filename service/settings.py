@@ -1,9 +1,11 @@
 """Settings, from IPFIT_* environment variables."""
 
 import os
+from base64 import b64decode
+from ipaddress import ip_network
 from pathlib import Path
 
-from pydantic import Field
+from pydantic import Field, SecretStr, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
@@ -129,6 +131,45 @@ class Settings(BaseSettings):
     max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis to be asked for in 2D.")
     max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis to be asked for in 3D.")
     max_wait: float = Field(300.0, ge=0, description="Longest that a request may wait for a fit, in seconds.")
+    callback_secret: SecretStr | None = Field(
+        None,
+        description="What callbacks are signed with: `whsec_` and the base64 of 24 to 64 random bytes; or several of "
+        "these with spaces between. Without one, callbacks are refused.",
+    )
+    callback_allow_http: bool = Field(
+        False,  # noqa: FBT003 - pydantic's signature
+        description="Whether callbacks may have http URLs, too; the messages are signed, but not encrypted then.",
+    )
+    callback_allow_private: str = Field(
+        "",
+        description="Networks that callbacks may be sent to though they are not public, with commas between, such as "
+        "`10.0.0.0/8,fd00::/8`.",
+    )
+
+    @field_validator("callback_secret")
+    @classmethod
+    def _check_secret(cls, value: SecretStr | None) -> SecretStr | None:
+        """Refuse what is no secret of the Standard Webhooks specification; the message must not repeat it."""
+        words = [] if value is None else value.get_secret_value().split()
+        if not all(map(_is_secret, words)):
+            raise ValueError("each secret must be whsec_ and the base64 of 24 to 64 bytes")
+        return value if words else None
+
+    @field_validator("callback_allow_private")
+    @classmethod
+    def _check_networks(cls, value: str) -> str:
+        """Refuse what is no list of networks."""
+        for part in filter(None, map(str.strip, value.split(","))):
+            ip_network(part)
+        return value
+
+
+def _is_secret(word: str) -> bool:
+    kind, _, encoded = word.partition("_")
+    try:
+        return kind == "whsec" and 24 <= len(b64decode(encoded, validate=True)) <= 64
+    except ValueError:
+        return False
 
 
 def table() -> str:

@@ -54,7 +54,7 @@ def test_every_example_works_as_written(page: Path, server: str, tmp_path: Path)
     np.save(tmp_path / "torus.npy", np.hstack(shapes.torus().sample(2000)))
     told = run_examples(page, server, tmp_path)
     for expected in {
-        "http.md": ["successful 4 criterion-met", "/options/max_degree"],
+        "http.md": ["successful 4 criterion-met", "/options/max_degree", "genuine: True, too old: True"],
         "library.md": ["[ True False]"],
     }.get(page.name, []):
         assert expected in told

@@ -46,7 +46,7 @@ IDEMPOTENCY_KEY = {
     "name": "Idempotency-Key",
     "in": "header",
     "description": "A unique text in double quotes. A request that is sent again with the same key gets the fit of the "
-    "first; with the same key and another point set or other options, 422.",
+    "first; with the same key and another point set, other options or another callback, 422.",
     "schema": {"type": "string", "minLength": 3, "maxLength": 2 * LONGEST_KEY + 2},
     "example": '"8e03978e-40d5-43dd-bc93-6894a57f9324"',
 }

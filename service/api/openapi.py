@@ -1,15 +1,19 @@
 """The OpenAPI document: FastAPI's, with the models of bodies that no route declares, and our own errors."""
 
-from typing import Any
+from typing import Any, Literal
 
 from fastapi import FastAPI
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from starlette.types import ASGIApp
 
 from service.api.answers import Answers
+from service.api.callback_schemas import FitEnded
 from service.api.problems import MEDIA_TYPE, Problem
 from service.api.schemas import FitRequest, PointSet
 
+# Those that no route declares.
+MODELS: tuple[type[BaseModel], ...] = (FitRequest, Problem, FitEnded)
 _REF = "#/components/schemas/{model}"
 
 
@@ -24,9 +28,11 @@ class DocumentedApp(FastAPI):
         """Return the OpenAPI document."""
         if self.openapi_schema is None:
             document = super().openapi()
-            _, models = models_json_schema(
-                [(FitRequest, "validation"), (PointSet, "serialization"), (Problem, "validation")], ref_template=_REF
-            )
+            models_wanted: list[tuple[type[BaseModel], Literal["validation", "serialization"]]] = [
+                *((one, "validation") for one in MODELS),
+                (PointSet, "serialization"),
+            ]
+            _, models = models_json_schema(models_wanted, ref_template=_REF)
             schemas = document["components"]["schemas"]
             schemas.update(models["$defs"])
             for operation in (operation for path in document["paths"].values() for operation in path.values()):

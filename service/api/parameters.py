@@ -19,12 +19,13 @@ _QUOTED = re.compile(r'"((?:[\x20-\x21\x23-\x5b\x5d-\x7e]|\\["\\])*)"')
 LARGEST_BOUND = 1e150  # as for points: the square of a larger one is not finite
 
 
-# The parameters of FitQuery that say how to read the body; the others are options of the fit.
+# The parameters of FitQuery that say how to read the body, and all that are no options of the fit.
 READING = {"format", "columns", "missing"}
+NO_OPTIONS = READING | {"callback"}
 
 
 class FitQuery(FitOptions):
-    """The query of `POST /v1/fits`: options, and how to read the body."""
+    """The query of `POST /v1/fits`: options, how to read the body, and whom to tell of the end."""
 
     format: Annotated[str, OneOf(known.name for known in POINT_SET_FORMATS)] | None = Field(
         None, description="What the body is; wins over Content-Type."
@@ -39,6 +40,13 @@ class FitQuery(FitOptions):
         "refuse",
         description="`refuse` refuses a point with a value that is missing or not finite; `drop` leaves such points "
         "out.",
+    )
+    callback: str | None = Field(
+        None,
+        description="An https URL to which the server POSTs a signed message when the fit has ended. Percent-encode "
+        "it. Public addresses only; 422 if this server sends no callbacks.",
+        examples=["https://hooks.example/fits"],
+        json_schema_extra={"format": "uri"},
     )
 
 

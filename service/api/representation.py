@@ -9,6 +9,7 @@ from fastapi import Request, Response
 
 from service.api import preconditions, problems
 from service.api.file_response import file_response
+from service.jobs.callback import Callback
 from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Fit
 from service.jobs.media_types import PointSetFormat, ZeroSetFormat
@@ -114,6 +115,18 @@ def summary(fit: Fit, root: str) -> dict[str, Any]:
         "points": fit.input.points,
         "options": fit.requested.given,
     }
+    if fit.callback is not None:
+        members["callback"] = _callback(fit.callback)
     if fit.failure is not None:
         members["problem"] = problems.as_dict(PROBLEM_TYPES[fit.failure.kind], fit.failure.detail, root)
     return members
+
+
+def _callback(callback: Callback) -> dict[str, Any]:
+    """Return the members of `CallbackResource`."""
+    return {
+        "url": callback.shown_url,
+        "state": callback.state,
+        "tries": callback.tries,
+        "last_error": callback.last_error,
+    }

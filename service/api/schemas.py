@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
+from service.api.callback_schemas import CallbackResource
 from service.api.problems import Problem
 from service.choices import OneOf
 from service.jobs.fit import FitStatus
@@ -209,6 +210,7 @@ class FitList(BaseModel):
 class FitResource(FitSummary):
     """A fit. The members from `polynomial` on are there when it is successful, `problem` when it failed."""
 
+    callback: CallbackResource | None = Field(None, description="Who is told of its end, if that was asked for.")
     progress: list[Step] = Field(default_factory=list, description="The degrees tried so far, while it is running.")
     parts: Parts | None = Field(None, description="How far its parts are, if it has any, while it is live.")
     polynomial: Polynomial | None = Field(None, description="The answer.")

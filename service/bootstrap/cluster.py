@@ -19,6 +19,7 @@ from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.queue.procrastinate_worker import ProcrastinateWorker
 from service.settings import Settings
 from service.store.blobs import Blobs
+from service.store.callbacks import SqlCallbacks
 from service.store.fits import SqlFits
 from service.store.migrations import MigrationStep
 from service.store.schema import TIMEOUTS, postgres_engine
@@ -40,7 +41,10 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         listening = asyncio.create_task(queue.listen())
         try:
             with temporary_folder() as incoming, temporary_folder() as files:
-                async with components.fit_service(settings, store, blobs, queue, files) as fits:
+                async with (
+                    components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
+                    components.fit_service(settings, store, blobs, queue, callbacks, files) as fits,
+                ):
                     yield components.context(settings, fits, incoming)
         finally:
             listening.cancel()

@@ -14,11 +14,17 @@ from service.api.limits import Limits
 from service.api.transit import Transit
 from service.api_keys import ApiKeys
 from service.bootstrap import memory
+from service.callbacks.addresses import AllowedAddresses
+from service.callbacks.refused import NoCallbacks
+from service.callbacks.sender import HttpSender
+from service.callbacks.signature import Signer
 from service.connections.limits import ConnectionLimits
 from service.formats.exports import Exports
 from service.formats.file_cache import FileCache
 from service.formats.points.reader import PointSetReader
 from service.jobs.admission import Admission
+from service.jobs.callback_ports import CallbackRules, CallbackStore
+from service.jobs.deliveries import Deliveries
 from service.jobs.fit import MAX_CRASHES
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
@@ -67,8 +73,8 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 
 
 @asynccontextmanager
-async def fit_service(
-    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue, files: Path
+async def fit_service(  # noqa: PLR0913, PLR0917 - the parts from which it is made
+    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue, callbacks: CallbackRules, files: Path
 ) -> AsyncIterator[FitService]:
     """Yield the use cases, with workers of their own that read bodies, and that make files in the folder `files`.
 
@@ -78,15 +84,42 @@ async def fit_service(
     async with pool(settings, 1, MAX_CRASHES) as readers, pool(settings, settings.mesh_workers, MAX_CRASHES) as makers:
         reading = FairSeats("uploads", 1, places, deadline)
         making = FairSeats("files", settings.mesh_workers, places, deadline)
-        reader = PointSetReader(readers, reading, settings.max_points, deadline)
         cache = FileCache(files, settings.mesh_cache_bytes)
-        exports = Exports(makers, making, cache, blobs, deadline, settings.max_mesh_bytes)
-        yield FitService(store, blobs, queue, reader, exports, planner=FitPlanner(), split_points=settings.split_points)
+        yield FitService(
+            store,
+            blobs,
+            queue,
+            PointSetReader(readers, reading, settings.max_points, deadline),
+            Exports(makers, making, cache, blobs, deadline, settings.max_mesh_bytes),
+            planner=FitPlanner(),
+            callbacks=callbacks,
+            split_points=settings.split_points,
+        )
 
 
 def admission(settings: Settings) -> Admission:
     """Return the limits of the queue."""
     return Admission(settings.queue_limit, settings.queue_bytes, settings.client_share)
+
+
+@asynccontextmanager
+async def callbacks(settings: Settings, store: CallbackStore) -> AsyncIterator[CallbackRules]:
+    """Deliver callbacks, if there is a secret to sign them with, and yield the rules for new ones."""
+    if settings.callback_secret is None:
+        yield NoCallbacks()
+        return
+    sender = HttpSender(
+        Signer.of(settings.callback_secret.get_secret_value()),
+        AllowedAddresses.of(settings.callback_allow_private),
+        allow_http=settings.callback_allow_http,
+    )
+    deliveries = Deliveries(store, sender, f"{settings.root_path}/v1/fits")
+    delivering = asyncio.create_task(deliveries.keep_delivering())
+    try:
+        yield sender
+    finally:
+        delivering.cancel()
+        await asyncio.gather(delivering, return_exceptions=True)
 
 
 def retention(settings: Settings, store: FitStore, blobs: BlobStore) -> Retention:

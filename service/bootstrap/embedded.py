@@ -9,6 +9,7 @@ from service.bootstrap import components
 from service.queue.embedded import EmbeddedQueue
 from service.settings import Settings
 from service.store.blobs import Blobs
+from service.store.callbacks import SqlCallbacks
 from service.store.data_folder import opened
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
@@ -25,7 +26,10 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
             async with components.fitters(settings) as fitters:
                 runner = components.runner(settings, store, blobs, fitters, publish=False)
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
-                async with components.fit_service(settings, store, blobs, queue, folder.files) as fits:
+                async with (
+                    components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
+                    components.fit_service(settings, store, blobs, queue, callbacks, folder.files) as fits,
+                ):
                     try:
                         await queue.resume()
                         yield components.context(settings, fits, folder.incoming)

@@ -99,16 +99,16 @@ class Admission:
             If the caller has used up a quota.
 
         """
-        allowances = self.allowances(usage, quota)
-        spent = next((one for one in allowances if not one.remaining), None)
-        if spent is not None:
-            what = "wait" if spent.name == "waiting" else "were accepted within an hour"
-            raise QuotaExceededError(f"{spent.quota} fits of yours {what}, as many as may", allowances, spent.reset)
         pause = _pause(usage.seconds, usage.waiting)
         if usage.waiting >= self.places:
             raise QueueFullError(f"{usage.waiting} fits wait already, as many as may", retry_after=pause)
         if usage.size >= self.size:
             raise QueueFullError(f"the points of fits that wait take {usage.size} bytes already", retry_after=pause)
+        allowances = self.allowances(usage, quota)
+        spent = next((one for one in allowances if not one.remaining), None)
+        if spent is not None:
+            what = "wait" if spent.name == "waiting" else "were accepted within an hour"
+            raise QuotaExceededError(f"{spent.quota} fits of yours {what}, as many as may", allowances, spent.reset)
 
 
 def _pause(seconds: float, count: int) -> float:

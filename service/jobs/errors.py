@@ -106,7 +106,7 @@ class UnauthorizedError(JobError):
 
 
 class KeyReusedError(JobError):
-    """An idempotency key was sent before with another point set or other options."""
+    """An idempotency key was sent before with another point set, other options or another callback."""
 
 
 class ShuttingDownError(JobError):

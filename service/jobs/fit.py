@@ -5,6 +5,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
+from service.jobs.callback import Callback
 from service.jobs.point_set_summary import PointSetSummary
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
@@ -163,6 +164,8 @@ class Fit:
     parts, unsummed
         For a fit that was split: the number of its parts, and of those that have not ended yet. The fit itself is not
         queued before all have.
+    callback
+        Who is to be told of its end, if anybody.
     whole, slice
         For a part: the id of the fit that it belongs to, and the slice of the points that it sums.
 
@@ -188,6 +191,7 @@ class Fit:
     whole: str | None = None
     slice: Slice | None = None
     owner: str = ""
+    callback: Callback | None = None
 
     @property
     def short(self) -> bool:

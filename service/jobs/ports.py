@@ -82,8 +82,11 @@ class FitStore(Protocol):
     def dismiss(self, fit_id: str) -> bool:
         """Set a live fit to dismissed and remove its parts; return False if it has ended."""
 
-    def remove(self, fit_id: str, delete_input: Callable[[str], object]) -> bool:
-        """Remove a fit that has ended, and call `delete_input` with its input's key if no other fit has the same."""
+    def remove(self, fit_id: str, delete_input: Callable[[str], object], *, keep_callback: bool = False) -> bool:
+        """Remove a fit that has ended, and call `delete_input` with its input's key if no other fit has the same.
+
+        Its callback goes with it; with `keep_callback`, not before it has been delivered or has failed.
+        """
 
     def discard(self, key: str, delete_input: Callable[[str], object]) -> bool:
         """Call `delete_input` with a key that no fit has, while no fit with it can be added; return whether it was."""

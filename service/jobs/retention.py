@@ -41,8 +41,12 @@ class Retention:
     _orphans_removed: float = field(default=float("-inf"), init=False)
 
     def sweep(self) -> int:
-        """Remove the fits that need not be kept any longer; return how many."""
-        removed = sum(self.store.remove(one, self.blobs.delete) for one in self.store.outdated(self.age, self.size))
+        """Remove the fits that need not be kept any longer; return how many.
+
+        A callback that could not be delivered yet is tried further: it is small, and was promised.
+        """
+        outdated = self.store.outdated(self.age, self.size)
+        removed = sum(self.store.remove(one, self.blobs.delete, keep_callback=True) for one in outdated)
         if self.exclusive and time.monotonic() > self._orphans_removed + ORPHAN_SECONDS:
             self._remove_orphans()
         return removed

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import ipcore
 from service.jobs.admission import Allowance
+from service.jobs.callback_ports import CallbackRules
 from service.jobs.caller import Caller, Quota
 from service.jobs.errors import (
     FitNotFinishedError,
@@ -37,7 +38,7 @@ FIT_ID = re.compile("[0-9a-f]{32}")
 class FitService:
     """The use cases of fits. The stores block, so they are called in threads, and the event loop never waits."""
 
-    def __init__(  # noqa: PLR0913 - six ports, one setting
+    def __init__(  # noqa: PLR0913 - seven ports, one setting
         self,
         store: FitStore,
         blobs: BlobStore,
@@ -46,11 +47,13 @@ class FitService:
         exports: Exports,
         *,
         planner: Planner,
+        callbacks: CallbackRules,
         split_points: int,
     ) -> None:
         """Use these ports; split fits of more than `split_points` points that can be made from moments."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._exports, self._planner, self._split_points = reader, exports, planner, split_points
+        self._reader, self._exports, self._planner = reader, exports, planner
+        self._callbacks, self._split_points = callbacks, split_points
 
     async def check_room(self, caller: Caller, key: str | None = None) -> list[Allowance]:
         """Return what the caller may still send, before the body of a request is read.
@@ -93,13 +96,15 @@ class FitService:
         """
         return self._planner.plan(points, requested.complete)
 
-    async def accept(
+    async def accept(  # noqa: PLR0913 - what is fitted, how, for whom
         self,
         points: ReceivedPoints,
         requested: RequestedOptions,
         plan: ipcore.Plan,
         caller: Caller,
         key: str | None = None,
+        *,
+        callback: str | None = None,
     ) -> tuple[Fit, bool]:
         """Store a fit and queue it. When this returns, it survives a crash.
 
@@ -115,17 +120,23 @@ class FitService:
             Who sent it.
         key
             Idempotency key: a second call with the same key returns the fit of the first.
+        callback
+            URL that is told of the end of the fit.
 
         Raises
         ------
+        InvalidInputError
+            If nothing can or may be sent to the callback.
         NotReadyError, ShuttingDownError, QueueFullError, QuotaExceededError
             If it cannot be stored, the server is about to stop, or too many fits wait, of all callers or of this one.
         KeyReusedError
-            If an earlier call with this key had another point set or other options.
+            If an earlier call with this key had another point set, other options or another callback.
 
         """
         self._refuse_when_stopping()
-        new, parts = new_fit(points, requested, plan, caller, key), list[Fit]()
+        if callback is not None:
+            self._callbacks.check(callback)
+        new, parts = new_fit(points, requested, plan, caller=caller, key=key, callback=callback), list[Fit]()
         if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
         fit = await self._add(new, points.content, parts, caller.quota)

@@ -15,7 +15,7 @@ from service.jobs.fit import Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.page import Page
 from service.jobs.ports import NO_QUOTA
-from service.store import mapping, queries, transitions
+from service.store import mapping, outbox, queries, transitions
 from service.store.input_locks import InputLocks
 from service.store.schema import fits
 from service.store.transitions import NOT_HELD, JobQueue
@@ -50,6 +50,8 @@ class SqlFits:
             self.admission.check(queries.usage(connection, fit.client, fit.owner), quota)
             store_input()
             connection.execute(fits.insert(), [mapping.from_fit(one) for one in (fit, *parts)])
+            if fit.callback is not None:
+                outbox.add(connection, fit.id, fit.callback)
             if self._queue is not None:
                 for one in parts or [fit]:
                     transitions.enqueue(connection, self._queue, one)
@@ -68,8 +70,7 @@ class SqlFits:
     def get(self, fit_id: str) -> Fit | None:
         """Return the fit, or None."""
         with self._engine.connect() as connection:
-            row = queries.row(connection, fit_id)
-        return None if row is None else mapping.to_fit(row)
+            return queries.fit(connection, fit_id)
 
     def listed(self, page: Page, owner: str) -> Sequence[Fit]:
         """Return the fits of a page and an owner, without their results and their parts."""
@@ -146,12 +147,13 @@ class SqlFits:
                 self._queue.cancel(connection, job)
             return done
 
-    def remove(self, fit_id: str, delete_input: Callable[[str], object]) -> bool:
+    def remove(self, fit_id: str, delete_input: Callable[[str], object], *, keep_callback: bool = False) -> bool:
         """Remove a fit that has ended, and delete its input if no other fit has the same."""
         ended = (fits.c.id == fit_id) & fits.c.status.in_(queries.ENDED) & fits.c.whole.is_(None)
         with self._engine.begin() as connection:
             key = connection.execute(select(fits.c.input).where(ended)).scalar()
-            connection.execute(fits.delete().where(ended))
+            if connection.execute(fits.delete().where(ended)).rowcount:
+                outbox.remove(connection, fit_id, keep_pending=keep_callback)
         if key is None:
             return False
         self.discard(key, delete_input)  # after the row, so that no fit ever lacks its points
@@ -207,5 +209,7 @@ class SqlFits:
         key = mapping.stored_key(fit.owner, fit.key)
         row = connection.execute(select(fits).where(fits.c.key == key)).one_or_none()
         if row is not None and row.payload != fit.payload:
-            raise KeyReusedError("this Idempotency-Key came before, with another point set or other options")
+            raise KeyReusedError(
+                "this Idempotency-Key came before, with another point set, other options or another callback"
+            )
         return None if row is None else mapping.to_fit(row)

@@ -1,6 +1,7 @@
 """Questions about stored fits that change nothing."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
@@ -8,9 +9,9 @@ import orjson
 from sqlalchemy import ColumnElement, Connection, Row, case, func, null, select
 
 from service.jobs.admission import HOUR, Usage
-from service.jobs.fit import FitStatus
+from service.jobs.fit import Fit, FitStatus
 from service.jobs.page import Page
-from service.store import mapping
+from service.store import mapping, outbox
 from service.store.schema import fits
 from service.store.transitions import clock
 
@@ -19,9 +20,10 @@ _COUNT_AND_FIRST = select(func.count(), func.min(fits.c.created))
 ENDED = [status for status in FitStatus if status.final]
 
 
-def row(connection: Connection, fit_id: str) -> Row[Any] | None:
-    """Return the row of a fit, or None."""
-    return connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
+def fit(connection: Connection, fit_id: str) -> Fit | None:
+    """Return a fit with its callback, or None."""
+    row = connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
+    return None if row is None else replace(mapping.to_fit(row), callback=outbox.of_fit(connection, fit_id))
 
 
 def count_waiting(connection: Connection) -> int:

@@ -1,4 +1,4 @@
-"""The table of fits, the same on SQLite and on PostgreSQL."""
+"""The tables of fits and of their callbacks, the same on SQLite and on PostgreSQL."""
 
 import sqlite3
 from datetime import UTC, datetime
@@ -109,7 +109,21 @@ fits = Table(
     Column("slice", String),
     Column("summary", String),  # JSON of what was worked out when the input was checked
 )
-# Whoever changes the table above adds a migration here that changes an older table in the same way, named after the
+# Apart from the fits: a callback that is still to be delivered outlives its fit when that is removed for its age.
+callbacks = Table(
+    "callbacks",
+    metadata,
+    Column("fit", String, primary_key=True),
+    Column("url", String, nullable=False),
+    Column("host", String, nullable=False),
+    Column("state", String, nullable=False),
+    Column("tries", Integer, nullable=False),
+    Column("due", Moment, index=True),  # NULL before the end of the fit, and when nothing is to be sent any more
+    Column("status", Status),  # how and when the fit ended
+    Column("ended", Moment),
+    Column("last_error", String),
+)
+# Whoever changes the tables above adds a migration here that changes older ones in the same way, named after the
 # release. Each is one statement: SQLite takes no more at once.
 FITS = MigrationStep(
     name="fits",
@@ -125,6 +139,10 @@ FITS = MigrationStep(
         "0.2.0 summary": "ALTER TABLE fits ADD COLUMN summary VARCHAR",
         "0.2.0 owner": "ALTER TABLE fits ADD COLUMN owner VARCHAR NOT NULL DEFAULT ''",
         "0.2.0 owner, found": "CREATE INDEX ix_fits_owner ON fits (owner)",
+        "0.2.0 callbacks": "CREATE TABLE callbacks (fit VARCHAR NOT NULL PRIMARY KEY, url VARCHAR NOT NULL,"
+        " host VARCHAR NOT NULL, state VARCHAR NOT NULL, tries INTEGER NOT NULL, due TIMESTAMP WITH TIME ZONE,"
+        " status VARCHAR, ended TIMESTAMP WITH TIME ZONE, last_error VARCHAR)",
+        "0.2.0 callbacks, found": "CREATE INDEX ix_callbacks_due ON callbacks (due)",
     },
     columns=frozenset(fits.columns.keys()),
 )

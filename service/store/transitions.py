@@ -8,7 +8,7 @@ import orjson
 from sqlalchemy import ColumnElement, Connection, func, select, update
 
 from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, sources
-from service.store import mapping
+from service.store import mapping, outbox
 from service.store.schema import Moment, fits
 
 # The columns of a fit that no process holds.
@@ -118,6 +118,7 @@ def _after_end(
     if fit.parts:
         _remove_parts(connection, queue, fit_id)
     if fit.whole is None:
+        outbox.make_due(connection, fit_id, target, values["finished"])
         if queue is not None:
             queue.notify_ended(connection, fit_id)
     elif target is FitStatus.SUCCESSFUL:

@@ -74,7 +74,7 @@ def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine:
 
 
 def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine) -> None:
-    new = {"parts", "unsummed", "whole", "slice", "summary"}
+    new = {"parts", "unsummed", "whole", "slice", "summary", "owner"}
     old = Table("fits", MetaData(), *(Column(c.name, c.type) for c in table.columns if c.name not in new))
     prepare(engine, [dataclasses.replace(FITS, make=old.create, steps={"0.1.0": ""}, columns=frozenset())])
     with engine.begin() as connection:
@@ -83,9 +83,31 @@ def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine
     assert columns(engine) == FITS.columns
     assert "ix_fits_whole" in {index["name"] for index in inspect(engine).get_indexes("fits")}
     with engine.connect() as connection:
-        assert connection.execute(text("SELECT parts, unsummed, whole, slice, summary FROM fits")).all() == [
-            (0, 0, None, None, None)
+        assert connection.execute(text("SELECT parts, unsummed, whole, slice, summary, owner FROM fits")).all() == [
+            (0, 0, None, None, None, "")
         ]
+
+
+def shape(engine: Engine, name: str) -> list[tuple[str, str, bool, bool]]:
+    """Return the columns of a table: name, type, whether they may be null and whether they have an index."""
+    found = inspect(engine)
+    indexed = {column for index in found.get_indexes(name) for column in index["column_names"]}
+    kinds = {one["name"]: one["type"].compile(engine.dialect) for one in found.get_columns(name)}
+    times = {"DATETIME": "NUMERIC"}  # the same for SQLite, which knows neither of the two names of a time
+    return [
+        (one["name"], times.get(kinds[one["name"]], kinds[one["name"]]), one["nullable"], one["name"] in indexed)
+        for one in found.get_columns(name)
+    ]
+
+
+def test_a_migrated_table_of_callbacks_is_like_a_new_one(engine: Engine) -> None:
+    prepare(engine, [FITS])
+    made = shape(engine, "callbacks")
+    with engine.begin() as connection:
+        connection.execute(text("DROP TABLE callbacks"))
+        for step in ("0.2.0 callbacks", "0.2.0 callbacks, found"):
+            connection.execute(text(FITS.steps[step]))
+    assert shape(engine, "callbacks") == made
 
 
 def test_a_step_that_fails_leaves_the_database_as_it_was(engine: Engine) -> None:

@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, Request, Response
 
 from service.api import body, negotiation
 from service.api.answers import phase
+from service.api.callback_fragment import FIT_ENDED
 from service.api.callers import CallerDep
 from service.api.dependencies import ContextDep
 from service.api.fragments import (
@@ -21,7 +22,7 @@ from service.api.fragments import (
     ZERO_SET_HEADERS,
     problems,
 )
-from service.api.parameters import READING, FitId, FitQuery, Purge, idempotency_key
+from service.api.parameters import NO_OPTIONS, FitId, FitQuery, Purge, idempotency_key
 from service.api.preferences import DEFAULT_WAIT, Preferences
 from service.api.presence import while_present
 from service.api.rate_limit import rate_limit_fields
@@ -36,7 +37,11 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
 @router.post(
     "",
     summary="Fit a point set",
-    openapi_extra={"parameters": [PREFER, IDEMPOTENCY_KEY], "requestBody": POINT_SET_BODY},
+    openapi_extra={
+        "parameters": [PREFER, IDEMPOTENCY_KEY],
+        "requestBody": POINT_SET_BODY,
+        "callbacks": {"fitEnded": {"{$request.query.callback}": {"post": FIT_ENDED}}},
+    },
     responses={
         200: {
             "model": FitResource,
@@ -64,13 +69,13 @@ async def create(
         async with body.received(request, limits.body_bytes, context.incoming, context.transit) as content:
             reading = fits.read(content, sent, columns=query.columns, missing=query.missing, client=caller.client)
             points = await while_present(request, reading)
-    options = requested(points.options, query.model_dump(exclude_unset=True, exclude=READING))
+    options = requested(points.options, query.model_dump(exclude_unset=True, exclude=NO_OPTIONS))
     options = limits.capped(points.dimension, options)
     plan = fits.plan(points, options)
     limits.check_system(points, plan)
     wanted = negotiation.wanted_file(request, points.dimension)
     with phase(request, "store"):
-        fit, replayed = await fits.accept(points, options, plan, caller, key)
+        fit, replayed = await fits.accept(points, options, plan, caller, key, callback=query.callback)
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     with phase(request, "wait"):

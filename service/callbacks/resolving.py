@@ -1,0 +1,45 @@
+"""Looking up the addresses of a host, once."""
+
+import asyncio
+import socket
+from contextlib import suppress
+from threading import Thread
+
+
+async def resolved(host: str, port: int) -> list[str]:
+    """Return the addresses of a host, in the order in which they are to be tried.
+
+    The look-up blocks for up to a minute and cannot be ended. So it has a thread of its own: it takes none from the
+    store, which uses those of the event loop, and a server that stops does not wait for it.
+
+    Raises
+    ------
+    OSError
+        If there is no such host, or nobody answers for it.
+
+    """
+    loop = asyncio.get_running_loop()
+    answer: asyncio.Future[list[str]] = loop.create_future()
+
+    def settle(found: list[str] | OSError) -> None:
+        if answer.done():  # nobody waits any longer
+            return
+        if isinstance(found, OSError):
+            answer.set_exception(found)
+        else:
+            answer.set_result(found)
+
+    def look_up() -> None:
+        found: list[str] | OSError
+        try:
+            entries = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+            found = list(dict.fromkeys(str(entry[4][0]) for entry in entries))
+        except OSError as error:
+            found = error
+        except UnicodeError as error:  # of a name that has no form in the DNS
+            found = OSError(str(error))
+        with suppress(RuntimeError):  # the loop has been closed
+            loop.call_soon_threadsafe(settle, found)
+
+    Thread(target=look_up, name=f"resolve {host}", daemon=True).start()
+    return await answer
