@@ -23,7 +23,7 @@ from load.attackers import ATTACKS, MESH_ATTACKS
 from tests.service.bodies import npy, torus
 from tests.service.running import Server
 
-ALONE_SECONDS, ATTACK_SECONDS = 4.0, 8.0
+ALONE_SECONDS, ATTACK_SECONDS = 3.0, 7.0
 START_SECONDS = 1.0  # from the start of the attack to that of the measurement
 SERVER_SETTINGS: dict[str, object] = {"WORKERS": 2, "SHORT_WORKERS": 1}
 LIVEZ_LIMIT, RATIO_LIMIT = 0.1, 3.0
