@@ -19,7 +19,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check chaos bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
+.PHONY: serve test check chaos hostile bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -67,6 +67,9 @@ bench-quality: $(VENV)/.bench-stamp ## write bench/QUALITY.md (from the same fol
 chaos: $(VENV)/.dev-stamp ## kill everything at random under load, on both engines (a quarter of an hour each)
 	$(BIN)/python -m load.chaos embedded $(ARGS)
 	$(BIN)/python -m load.chaos cluster $(ARGS)
+
+hostile: $(VENV)/.dev-stamp ## measure what others notice of clients that flood, stall or leave (some minutes)
+	$(BIN)/python -m load.hostile $(ARGS)
 
 lock: .venv-lock/.stamp ## write requirements.lock and those of tests/ and bench/ anew
 	$(COMPILE) --extra s3 -o requirements.lock pyproject.toml

@@ -9,72 +9,59 @@ import asyncio
 from functools import partial
 from typing import Any
 
-from uvicorn._types import ASGI3Application
-from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResponseCycle
-
 from service.connections.census import Census
 from service.connections.limits import ConnectionLimits
 from service.connections.methods import KNOWN_METHODS, unknown_method
 from service.connections.pace import Pace
 from service.connections.refusal import Refusal
+from service.connections.refusing import RefusingProtocol
+from service.connections.turns import Turns
 
 # Seconds between two looks at the pace of a connection.
 LOOK_SECONDS = 1.0
-LINGER_SECONDS = 1.0  # from an answer that refuses a request to the end of its connection
 
 
 def guarded(limits: ConnectionLimits) -> Any:  # noqa: ANN401 - uvicorn calls what it takes for a class
     """Return what makes the protocol of each connection of one server, as the `http` of uvicorn's configuration."""
-    return partial(GuardedProtocol, limits=limits, census=Census(limits))
+    return partial(GuardedProtocol, limits=limits, census=Census(limits), turns=Turns())
 
 
-class GuardedProtocol(HttpToolsProtocol):
+class GuardedProtocol(RefusingProtocol):
     """The protocol of one connection."""
 
-    def __init__(self, *given: Any, limits: ConnectionLimits, census: Census, **named: Any) -> None:  # noqa: ANN401 - uvicorn's
-        """Take uvicorn's arguments, and the limits and the census of the server."""
+    def __init__(self, *given: Any, limits: ConnectionLimits, **named: Any) -> None:  # noqa: ANN401 - uvicorn's
+        """Take uvicorn's arguments, and the limits of the server."""
         super().__init__(*given, **named)
-        self._limits, self._census = limits, census
-        self._address = ""
-        self._refusal: Refusal | None = None
-        self._counted = self._in_head = self._in_body = self._began = False
+        self._limits = limits
+        self._unknown_method: bytes | None = None
+        self._in_head = self._began = False
         self._head_bytes = self._idle_bytes = 0  # of the head so far; and those after it that brought no body
         self._pace = Pace(limits)
-        self._running: RequestResponseCycle | None = None
         self._look: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as uvicorn's
-        """Start a connection, or refuse it if there are too many."""
+        """Start a connection."""
         super().connection_made(transport)
-        self._address = self.client[0] if self.client else ""
-        reason, self._counted = self._census.enter(self._address), True
-        if reason is not None:
-            self._refuse(Refusal("too-many-connections", reason))
-            return
-        self._pace.wait_for_head(self.loop.time())
-        self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
+        if not self._is_refused():
+            self._pace.wait_for_head(self.loop.time())
+            self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End a connection."""
-        self._leave()
         if self._look is not None:
             self._look.cancel()
         super().connection_lost(exc)
 
-    def _leave(self) -> None:
-        """Count the connection as ended, once."""
-        if self._counted:
-            self._census.leave(self._address)
-        self._counted = False
-
-    def data_received(self, data: bytes) -> None:
+    def parse(self, data: bytes) -> None:
         """Parse data, and count what belongs to a head or is no part of a body."""
-        if self._refusal is not None:
+        if self._is_refused():
             return
         self._began, before = False, self._pace.received
         if not self._in_head and not self._in_body:
-            self._refuse_unknown_method(data)
-        super().data_received(data)
+            self._unknown_method = unknown_method(data)
+        super().parse(data)
+        if self._is_refused():
+            return
         if self._in_head and not self._began:
             self._count_head(len(data))
         elif self._in_body and self._pace.received == before:  # chunk extensions and trailers
@@ -84,8 +71,10 @@ class GuardedProtocol(HttpToolsProtocol):
 
     def send_400_response(self, msg: str) -> None:
         """Answer a request that cannot be parsed, or that a callback of the parser refused."""
-        detail = msg.rstrip(".").lower() if self._refusal is None else ""
-        self._answer(self._refusal or Refusal("bad-request", detail))
+        refusal = Refusal("bad-request", msg.rstrip(".").lower())
+        if self._unknown_method is not None:  # the parser only says that it cannot parse
+            refusal = _unknown(self._unknown_method)
+        self._refuse(self._refusal or refusal)
 
     def on_message_begin(self) -> None:
         """Start a request."""
@@ -130,6 +119,7 @@ class GuardedProtocol(HttpToolsProtocol):
     def on_message_complete(self) -> None:
         """End a request."""
         self._in_body = False
+        self._unknown_method = None
         self._pace.rest()
         super().on_message_complete()
 
@@ -143,9 +133,9 @@ class GuardedProtocol(HttpToolsProtocol):
         if self.transport.is_closing():
             return
         now = self.loop.time()
-        if self._pace.head_is_late(now) and not self.pipeline:
+        if self._pace.head_is_late(now) and not self._waits_here():
             self._slow("a head that does not arrive", "the head of the request did not arrive in time")
-        elif self._in_body and not self._is_answered() and self._pace.body_is_late(now, paused=self.flow.read_paused):
+        elif self._in_body and self._body_is_late(now):
             self._slow("a body that arrives too slowly", "the body of the request arrives too slowly")
         elif self._pace.reader_is_late(now, self.transport.get_write_buffer_size()):
             self._census.log("closed: a response that is not read", self._address)
@@ -153,10 +143,14 @@ class GuardedProtocol(HttpToolsProtocol):
         else:
             self._look = self.loop.call_later(LOOK_SECONDS, self._look_at_pace)
 
-    def _start_asgi_task(self, cycle: RequestResponseCycle, app: ASGI3Application) -> None:
-        """Start the application for one request."""
-        self._running = cycle
-        super()._start_asgi_task(cycle, app)
+    def _waits_here(self) -> bool:
+        """Return whether something of the peer waits in this server: a request, or what has arrived."""
+        return bool(self.pipeline or self.flow.backlog) or not self._is_answered(self._running)
+
+    def _body_is_late(self, now: float) -> bool:
+        """Return whether the body arrives too slowly, of a request that is not answered yet."""
+        paused = self.flow.read_paused or bool(self.pipeline or self.flow.backlog)
+        return self._pace.body_is_late(now, paused=paused) and not self._is_answered(self.cycle)
 
     def _abort(self) -> None:
         """Close the connection at once; the application must then not go on to write."""
@@ -168,25 +162,10 @@ class GuardedProtocol(HttpToolsProtocol):
     def _slow(self, kind: str, detail: str) -> None:
         """Close the connection of a slow peer; answer it only if it sent a part of a request and has no answer yet."""
         self._census.log(f"closed: {kind}", self._address)
-        if (self._in_head or self._in_body) and self._may_answer():
-            self._refusal = Refusal("request-timeout", detail)
-            self.transport.write(self._refusal.response(self.root_path))
-            self._close_when_read()
+        if self._in_head or self._in_body:
+            self._send_refusal(Refusal("request-timeout", detail))
         else:
             self.transport.close()
-
-    def _is_answered(self) -> bool:
-        """Return whether the application has sent the whole response to the last request that it got."""
-        cycle = self._last_cycle()
-        return cycle is not None and cycle.response_complete
-
-    def _may_answer(self) -> bool:
-        """Return whether a response may be written here: the application is not in the middle of one."""
-        cycle = self._last_cycle()
-        return cycle is None or cycle.response_complete or not cycle.response_started
-
-    def _last_cycle(self) -> RequestResponseCycle | None:
-        return self.cycle
 
     def _count_head(self, size: int) -> None:
         self._head_bytes += size
@@ -199,44 +178,6 @@ class GuardedProtocol(HttpToolsProtocol):
             f"the request line and the headers may have {self._limits.head_bytes} bytes "
             f"and {self._limits.head_fields} fields together",
         )
-
-    def _refuse_unknown_method(self, data: bytes) -> None:
-        """Remember the refusal of a method that the parser does not know: it says only that it cannot parse."""
-        method = unknown_method(data)
-        if method is not None:
-            self._refusal = _unknown(method)
-
-    def _stop(self, refusal: Refusal) -> None:
-        """Stop the parser, from within one of its callbacks; it then calls `send_400_response`."""
-        self._refusal = refusal
-        raise refusal
-
-    def _refuse(self, refusal: Refusal) -> None:
-        """Answer with a refusal, if the request was not answered yet, and close the connection."""
-        self._refusal = refusal
-        self._answer(refusal)
-
-    def _answer(self, refusal: Refusal) -> None:
-        self._refusal = refusal
-        self._census.log(f"refused: {refusal.detail}", f"{self._address}, trace {refusal.ids.trace_id}")
-        if self._may_answer():
-            self.transport.write(refusal.response(self.root_path))
-            self._close_when_read()
-        else:
-            self.transport.close()
-
-    def _close_when_read(self) -> None:
-        """Say that nothing more comes, and close a little later.
-
-        If a socket is closed while data wait in it that were not read, the system resets the connection, and the peer
-        may never see the answer. What still arrives is dropped, and the connection does not count any more.
-        """
-        if self.transport.is_closing():
-            return
-        self._leave()
-        if self.transport.can_write_eof():
-            self.transport.write_eof()
-        self.loop.call_later(LINGER_SECONDS, self.transport.close)
 
 
 def _unknown(method: bytes) -> Refusal:

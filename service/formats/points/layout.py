@@ -13,6 +13,9 @@ from service.formats.points import columns
 from service.formats.points.cells import COMMENT, LONGEST_LINE, MISSING, delimiter, is_number, pieces, split, too_long
 from service.jobs.errors import MalformedInputError
 
+# Digits of a count or an index: Python refuses to make an integer of some thousands.
+MOST_DIGITS = 18
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -77,7 +80,7 @@ def find(lines: Iterable[str]) -> Layout:
         if rows:
             rows.append((number, line))
             break
-        if counted is None and re.fullmatch(r"\s*\d+\s*", line):
+        if counted is None and re.fullmatch(rf"\s*\d{{1,{MOST_DIGITS}}}\s*", line):
             counted = (number, line)
         elif header is None and _is_header(line):
             header = (number, line)
@@ -198,6 +201,7 @@ def _has_index(cells: list[str]) -> bool:
     """Return whether these first cells of rows are an index: whole numbers that count up, or no numbers at all."""
     if not any(map(is_number, cells)):
         return True
-    return all(cell.strip('"').isdecimal() for cell in cells) and all(
-        int(b.strip('"')) == int(a.strip('"')) + 1 for a, b in pairwise(cells)
-    )
+    bare = [cell.strip('"') for cell in cells]
+    if not all(cell.isdecimal() and len(cell) <= MOST_DIGITS for cell in bare):
+        return False
+    return all(int(b) == int(a) + 1 for a, b in pairwise(bare))

@@ -95,6 +95,15 @@ def test_a_count_before_the_rows_is_accepted_and_must_be_right(before: list[str]
     assert f"line {len(before) + 1} says 31 rows, but there are 30" in message
 
 
+@pytest.mark.parametrize("digits", [19, 4301, 60_000])
+def test_a_number_of_too_many_digits_is_no_count_and_no_index(digits: int) -> None:
+    rows, long = lines(OUTLINE), "9" * digits
+    with pytest.raises((InvalidInputError, MalformedInputError)):
+        read(text([long, *rows]))
+    with pytest.raises((InvalidInputError, MalformedInputError)):
+        read(text(["x,y", f"{long},{rows[0]}", f"{long},{rows[1]}"]))
+
+
 # Missing and wrong values
 
 

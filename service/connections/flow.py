@@ -1,0 +1,47 @@
+"""Flow control with a backlog: what has arrived waits for its turn, and nothing more is read meanwhile."""
+
+import asyncio
+from collections.abc import Callable
+
+from uvicorn.protocols.http.flow_control import FlowControl
+
+
+class BacklogFlow(FlowControl):
+    """Uvicorn's flow control; when the application wants more of a body, that may already be in the backlog.
+
+    Attributes
+    ----------
+    backlog
+        What has arrived and was not parsed yet.
+
+    """
+
+    def __init__(self, transport: asyncio.Transport, wanted: Callable[[], None]) -> None:
+        """Call `wanted` when there is something to go on with."""
+        super().__init__(transport)
+        self.backlog = bytearray()
+        self._wanted, self._listens = wanted, True
+
+    def resume_reading(self) -> None:
+        """Let the protocol go on with the backlog, and then with the peer."""
+        if self.read_paused:
+            self.read_paused = False
+            self._wanted()
+
+    def take(self, size: int) -> bytes:
+        """Take so many bytes from the backlog."""
+        some = bytes(self.backlog[:size])
+        del self.backlog[:size]
+        return some
+
+    def listen(self, *, ready: bool) -> None:
+        """Read from the peer if everything before was parsed and the protocol is ready for more, else do not."""
+        listens = ready and not self.backlog and not self.read_paused
+        if listens != self._listens:
+            self._listens = listens
+            (self._transport.resume_reading if listens else self._transport.pause_reading)()
+
+    def pause_reading(self) -> None:
+        """Parse and read nothing until reading is resumed."""
+        self.read_paused = True
+        self.listen(ready=False)
