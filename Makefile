@@ -14,12 +14,12 @@ INSTALL_SELF = $(PIP) install --quiet --no-deps --no-build-isolation --no-index 
 # `make lock LOCK_FLAGS=--upgrade` moves to the newest versions; plain `make lock` keeps every pin that still fits.
 LOCK_FLAGS ?=
 COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python-version 3.11 --no-build --generate-hashes \
-	--no-strip-extras --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --group build $(LOCK_FLAGS)
+	--no-strip-extras --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(LOCK_FLAGS)
 
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check chaos hostile bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
+.PHONY: serve test check contract lint-api chaos hostile bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -30,8 +30,21 @@ PYTEST = $(BIN)/python -m pytest -n auto
 test: $(VENV)/.dev-stamp ## run the tests (ARGS="…" goes to pytest)
 	$(PYTEST) $(ARGS)
 
+# Linters of the OpenAPI document and generators of clients. Where there is no npm, the tests that need one are skipped.
+CONTRACT := tests/contract
+SPECTRAL  = $(CONTRACT)/node_modules/.bin/spectral
+REDOCLY   = REDOCLY_TELEMETRY=off REDOCLY_SUPPRESS_UPDATE_NOTICE=true $(CONTRACT)/node_modules/.bin/redocly
+
+contract: .venv-contract/.stamp ## install the linters of the OpenAPI document and the generators of clients
+	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory $(CONTRACT)/node_modules/.stamp; \
+		else echo "npm IS MISSING: the OpenAPI document is not linted, and no TypeScript client is made" >&2; fi
+
+lint-api: $(CONTRACT)/node_modules/.stamp ## lint openapi/openapi.json with spectral (OWASP's rules, too) and redocly
+	$(SPECTRAL) lint openapi/openapi.json --ruleset $(CONTRACT)/.spectral.yaml --fail-severity hint
+	$(REDOCLY) lint openapi/openapi.json --config $(CONTRACT)/redocly.yaml
+
 # pytest comes last, so that its closing line is the last one.
-check: $(VENV)/.dev-stamp ## everything CI checks: style, types, layers, tests, coverage
+check: $(VENV)/.dev-stamp contract ## everything CI checks: style, types, layers, tests, coverage
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -71,14 +84,16 @@ chaos: $(VENV)/.dev-stamp ## kill everything at random under load, on both engin
 hostile: $(VENV)/.dev-stamp ## measure what others notice of clients that flood, stall or leave (some minutes)
 	$(BIN)/python -m load.hostile $(ARGS)
 
-lock: .venv-lock/.stamp ## write requirements.lock and those of tests/ and bench/ anew
-	$(COMPILE) --extra s3 -o requirements.lock pyproject.toml
-	$(COMPILE) --extra s3 --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
-	$(COMPILE) --extra s3 --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
+lock: .venv-lock/.stamp ## write requirements.lock, those of tests/ and bench/, and package-lock.json anew (needs npm)
+	$(COMPILE) --group build --extra s3 -o requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
+	$(COMPILE) -o tests/contract/requirements.lock tests/contract/requirements.in
+	cd $(CONTRACT) && npm install --package-lock-only
 
 clean: ## remove the environments, caches and build products (data stays)
-	rm -rf $(VENV) .venv-lock build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache \
-		.hypothesis .benchmarks .coverage .coverage.* htmlcov openapi/openapi.json.new
+	rm -rf $(VENV) .venv-lock .venv-contract $(CONTRACT)/node_modules build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache \
+		.hypothesis .schemathesis .benchmarks .coverage .coverage.* htmlcov openapi/openapi.json.new
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 help: ## list the targets
@@ -105,6 +120,17 @@ $(VENV)/.dev-stamp: $(VENV)/.venv-stamp requirements.lock tests/requirements.loc
 $(VENV)/.bench-stamp: $(VENV)/.venv-stamp bench/requirements.lock pyproject.toml
 	$(INSTALL) bench/requirements.lock
 	$(INSTALL_SELF)
+	@touch $@
+
+.venv-contract/.stamp: $(CONTRACT)/requirements.lock
+	$(PYTHON) -m venv .venv-contract
+	.venv-contract/bin/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes \
+		--only-binary :all: -r $<
+	@touch $@
+
+# Without install scripts: nothing here needs one.
+$(CONTRACT)/node_modules/.stamp: $(CONTRACT)/package.json $(CONTRACT)/package-lock.json $(CONTRACT)/.npmrc
+	cd $(CONTRACT) && npm ci --ignore-scripts --silent
 	@touch $@
 
 .venv-lock/.stamp: Makefile

@@ -8,6 +8,8 @@ from pathlib import Path
 from pydantic import Field, SecretStr, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from service.jobs.bounds import LARGEST_POINT_SET, LONGEST_ROOT_PATH, MOST_BODY_BYTES, MOST_RESOLUTION
+
 
 class Settings(BaseSettings):
     """The settings of a server. The table in docs/settings.md is made from these fields."""
@@ -24,6 +26,7 @@ class Settings(BaseSettings):
     root_path: str = Field(
         "",
         pattern=r"^(/[A-Za-z0-9._~-]+)*$",
+        max_length=LONGEST_ROOT_PATH,
         description="The prefix, such as `/ipfit`, that a reverse proxy removes from paths; links then begin with it.",
     )
     cors_origins: str = Field(
@@ -114,12 +117,14 @@ class Settings(BaseSettings):
         8.0, ge=0, description="Seconds that running fits get to end after SIGTERM; the others run again later."
     )
     mesh_deadline: float = Field(60.0, gt=0, description="Seconds that reading an input or making a mesh may take.")
-    max_mesh_bytes: int = Field(256 * 2**20, ge=2**20, description="Largest file of a zero set, in bytes.")
+    max_mesh_bytes: int = Field(
+        256 * 2**20, ge=2**20, le=MOST_BODY_BYTES, description="Largest file of a zero set, in bytes."
+    )
     mesh_cache_bytes: int = Field(
         2**30, ge=2**20, description="Bytes on disk that meshes and other files may take, to be sent again."
     )
-    max_body_bytes: int = Field(64 * 2**20, ge=1024, description="Largest request body, in bytes.")
-    max_points: int = Field(1_000_000, ge=4, description="Most points in a point set.")
+    max_body_bytes: int = Field(64 * 2**20, ge=1024, le=MOST_BODY_BYTES, description="Largest request body, in bytes.")
+    max_points: int = Field(1_000_000, ge=4, le=LARGEST_POINT_SET, description="Most points in a point set.")
     max_degree_2d: int = Field(40, ge=1, le=40, description="Highest `max_degree` that a 2D fit may ask for.")
     max_degree_3d: int = Field(20, ge=1, le=20, description="Highest `max_degree` that a 3D fit may ask for.")
     max_system_bytes: int = Field(
@@ -128,8 +133,12 @@ class Settings(BaseSettings):
         description="Largest linear system that a fit may hold as a whole, in bytes: 8 · points · equations each · "
         "coefficients. Only other factors than moments and tsqr do.",
     )
-    max_resolution_2d: int = Field(2048, ge=16, description="Most grid points along an axis to be asked for in 2D.")
-    max_resolution_3d: int = Field(256, ge=16, description="Most grid points along an axis to be asked for in 3D.")
+    max_resolution_2d: int = Field(
+        2048, ge=16, le=MOST_RESOLUTION, description="Most grid points along an axis to be asked for in 2D."
+    )
+    max_resolution_3d: int = Field(
+        256, ge=16, le=MOST_RESOLUTION, description="Most grid points along an axis to be asked for in 3D."
+    )
     max_wait: float = Field(300.0, ge=0, description="Longest that a request may wait for a fit, in seconds.")
     callback_secret: SecretStr | None = Field(
         None,

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from service.api.openapi import reference
+from service.api.descriptions import reference
 
 
 def _header(name: str, description: str, example: str) -> dict[str, Any]:
-    schema = {"type": "string"}
+    schema = {"type": "string", "maxLength": 4096, "pattern": r"^[\x21-\x7e]+( [\x21-\x7e]+)*$"}
     return {
         "name": name,
         "in": "header",
@@ -19,6 +19,7 @@ def _header(name: str, description: str, example: str) -> dict[str, Any]:
 
 FIT_ENDED: dict[str, Any] = {
     "summary": "A fit has ended",
+    "security": [],  # the signature of the message is what its receiver checks
     "description": "Sent until it is answered with a status from 200 to 299, at most 10 times in 22 hours; 410 ends "
     "it at once. It may come more than once: drop a `webhook-id` that came before. Check the signature, as the "
     "[Standard Webhooks](https://www.standardwebhooks.com) specification says.",

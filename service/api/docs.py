@@ -15,6 +15,7 @@ from fastapi.staticfiles import StaticFiles
 
 from service.api.preconditions import is_known, strong_etag
 from service.api.problems import root_path
+from service.api.whole_document import servers
 
 ASSETS = "/docs/assets"
 # Of the page: what it loads comes from this server, and no script runs but its files and its own inline one.
@@ -29,10 +30,8 @@ router = APIRouter(include_in_schema=False)
 
 @router.get("/openapi.json")
 async def openapi(request: Request) -> Response:
-    """Return the OpenAPI document of this server."""
-    root = root_path(request)
-    document = request.app.openapi()
-    body = orjson.dumps(document | {"servers": [{"url": root}]} if root else document)
+    """Return the OpenAPI document, in which the server is this one as the caller reaches it."""
+    body = orjson.dumps(request.app.openapi() | {"servers": servers(root_path(request))})
     headers = {"ETag": strong_etag(body), "Cache-Control": "no-cache"}
     if is_known(request, headers["ETag"]):
         return Response(status_code=304, headers=headers)

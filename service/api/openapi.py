@@ -1,4 +1,4 @@
-"""The OpenAPI document: FastAPI's, with the models of bodies that no route declares, and our own errors."""
+"""The OpenAPI document: FastAPI's, with the models of bodies that no route declares, and what holds for all routes."""
 
 from typing import Any, Literal
 
@@ -7,14 +7,16 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from starlette.types import ASGIApp
 
+from service.api import whole_document
 from service.api.answers import Answers
 from service.api.callback_schemas import FitEnded
-from service.api.problems import MEDIA_TYPE, Problem
-from service.api.schemas import FitRequest, PointSet
+from service.api.curve_feature import CurveFeature
+from service.api.descriptions import REF
+from service.api.fit_request import FitRequest
+from service.api.problems import Problem
+from service.api.schemas import PointSet
 
-# Those that no route declares.
-MODELS: tuple[type[BaseModel], ...] = (FitRequest, Problem, FitEnded)
-_REF = "#/components/schemas/{model}"
+_UNDECLARED: tuple[type[BaseModel], ...] = (FitRequest, CurveFeature, Problem, FitEnded)
 
 
 class DocumentedApp(FastAPI):
@@ -28,41 +30,22 @@ class DocumentedApp(FastAPI):
         """Return the OpenAPI document."""
         if self.openapi_schema is None:
             document = super().openapi()
-            models_wanted: list[tuple[type[BaseModel], Literal["validation", "serialization"]]] = [
-                *((one, "validation") for one in MODELS),
+            wanted: list[tuple[type[BaseModel], Literal["validation", "serialization"]]] = [
+                *((model, "validation") for model in _UNDECLARED),
                 (PointSet, "serialization"),
             ]
-            _, models = models_json_schema(models_wanted, ref_template=_REF)
-            schemas = document["components"]["schemas"]
-            schemas.update(models["$defs"])
-            for operation in (operation for path in document["paths"].values() for operation in path.values()):
-                _describe_problems(operation["responses"])
+            _, models = models_json_schema(wanted, ref_template=REF)
+            document["components"]["schemas"].update(models["$defs"])
+            whole_document.complete(document)
             _remove_unused(document)
         assert self.openapi_schema is not None  # noqa: S101 - FastAPI stores what it returned
         return self.openapi_schema
 
 
-def reference(name: str) -> dict[str, str]:
-    """Return a reference to a schema of the document."""
-    return {"$ref": _REF.format(model=name)}
-
-
-def problem(description: str) -> dict[str, Any]:
-    """Return the description of an error response."""
-    return {"description": description, "content": {MEDIA_TYPE: {"schema": reference("Problem")}}}
-
-
-def _describe_problems(responses: dict[str, Any]) -> None:
-    """Replace FastAPI's model of a validation error by `Problem`, and add the response to any other error."""
-    if "HTTPValidationError" in str(responses.get("422")):
-        responses["422"] = problem("A parameter has a value that is not allowed.")
-    responses.setdefault("default", problem("Any other error."))
-
-
 def _remove_unused(document: dict[str, Any]) -> None:
     """Remove the schemas that nothing refers to, such as FastAPI's own models of errors."""
     schemas: dict[str, Any] = document["components"]["schemas"]
-    while unused := [name for name in schemas if _REF.format(model=name) not in _references(document)]:
+    while unused := [name for name in schemas if REF.format(model=name) not in _references(document)]:
         for name in unused:
             del schemas[name]
 

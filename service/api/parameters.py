@@ -8,20 +8,31 @@ from fastapi import Path, Query, Request
 from pydantic import Field
 
 from service.api.problems import HeaderError
+from service.api.schema_types import FIT_ID_SCHEMA
 from service.choices import OneOf
+from service.jobs.bounds import HEAD_BYTES, MOST_RESOLUTION
 from service.jobs.errors import InvalidInputError
 from service.jobs.fit import FitStatus
 from service.jobs.media_types import POINT_SET_FORMATS, ZERO_SET_FORMATS, Missing, zero_set_formats
 from service.options import FitOptions
+from service.problem_types import PROBLEM_TYPES
 
+LONGEST_CALLBACK = 2000  # characters of its URL
 LONGEST_KEY = 200  # characters of an Idempotency-Key
 _QUOTED = re.compile(r'"((?:[\x20-\x21\x23-\x5b\x5d-\x7e]|\\["\\])*)"')
 LARGEST_BOUND = 1e150  # as for points: the square of a larger one is not finite
+_NUMBER = r" *[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)? *"
+BOUNDS = rf"^{_NUMBER}(,{_NUMBER}){{3}}((,{_NUMBER}){{2}})?$"
+_ROLE = r"\s*([nN]?[xXyYzZ]|_)\s*"
+COLUMNS = f"^{_ROLE}(,{_ROLE})*$"
 
 
 # The parameters of FitQuery that say how to read the body, and all that are no options of the fit.
 READING = {"format", "columns", "missing"}
 NO_OPTIONS = READING | {"callback"}
+
+
+CallbackUrl = Annotated[str, Field(max_length=LONGEST_CALLBACK, json_schema_extra={"format": "uri"})]
 
 
 class FitQuery(FitOptions):
@@ -30,7 +41,7 @@ class FitQuery(FitOptions):
     format: Annotated[str, OneOf(known.name for known in POINT_SET_FORMATS)] | None = Field(
         None, description="What the body is; wins over Content-Type."
     )
-    columns: str | None = Field(
+    columns: Annotated[str, Field(json_schema_extra={"maxLength": HEAD_BYTES, "pattern": COLUMNS})] | None = Field(
         None,
         description="What each column of a table or an npy array holds, in order: `x`, `y`, `z`, `nx`, `ny`, `nz`, or "
         "`_` for a column to ignore. Default: as its header says, else by the rules in docs/input.md.",
@@ -41,12 +52,11 @@ class FitQuery(FitOptions):
         description="`refuse` refuses a point with a value that is missing or not finite; `drop` leaves such points "
         "out.",
     )
-    callback: str | None = Field(
+    callback: CallbackUrl | None = Field(
         None,
         description="An https URL to which the server POSTs a signed message when the fit has ended. Percent-encode "
         "it. Public addresses only; 422 if this server sends no callbacks.",
         examples=["https://hooks.example/fits"],
-        json_schema_extra={"format": "uri"},
     )
 
 
@@ -54,15 +64,23 @@ def _names(dimension: int) -> str:
     return ", ".join(known.name for known in zero_set_formats(dimension))
 
 
-FitId = Annotated[str, Path(description="The id that POST /v1/fits gave.")]
-ProblemCode = Annotated[str, Path(max_length=64, description="The `code` of a problem.")]
+# What is no id is answered with 404, as an id of no fit is, and not with 422.
+FitId = Annotated[str, Path(description="The id that POST /v1/fits gave.", json_schema_extra=FIT_ID_SCHEMA)]
+ProblemCode = Annotated[
+    str, Path(description="The `code` of a problem.", json_schema_extra={"enum": list(PROBLEM_TYPES)})
+]
 Purge = Annotated[bool, Query(description="Whether to remove the fit, with its points, and not only to end it.")]
 Status = Annotated[
     Annotated[str, OneOf(FitStatus)] | None, Query(description="Only fits of this status. Default: all.")
 ]
 Limit = Annotated[int, Query(ge=1, le=100, description="Fits on a page, at most.")]
 Cursor = Annotated[
-    str | None, Query(max_length=200, description="Where a page begins, from the `next` of the page before.")
+    str | None,
+    Query(
+        max_length=200,
+        pattern="^[A-Za-z0-9_-]*$",
+        description="Where a page begins, from the `next` of the page before.",
+    ),
 ]
 PointSetFormatName = Annotated[
     Annotated[str, OneOf(known.name for known in POINT_SET_FORMATS)] | None,
@@ -76,12 +94,13 @@ Resolution = Annotated[
     int | None,
     Query(
         ge=4,
+        le=MOST_RESOLUTION,
         description="Grid points along the longest axis. Default: 256 (2D) or 96 (3D), and more where the zero set is "
         "thin. If one is asked for that is too coarse, the response has the header `Zero-Set-Warning`.",
     ),
 ]
 Bounds = Annotated[
-    str | None,
+    Annotated[str, Field(json_schema_extra={"maxLength": HEAD_BYTES, "pattern": BOUNDS})] | None,
     Query(
         description="Lower, then upper corner: 4 (2D) or 6 (3D) numbers with commas between, caller's coordinates. "
         "Default: the fit's own bounds.",
@@ -106,10 +125,7 @@ def corners(bounds: str, dimension: int) -> tuple[tuple[float, ...], tuple[float
     >>> corners("-1,-2,3,4", 2)
     ((-1.0, -2.0), (3.0, 4.0))
     """
-    try:
-        numbers = tuple(float(part) for part in bounds.split(","))
-    except ValueError:
-        numbers = ()
+    numbers = tuple(map(float, bounds.split(","))) if re.fullmatch(BOUNDS, bounds) else ()
     lower, upper = numbers[:dimension], numbers[dimension:]
     ordered = len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))
     if not ordered or not all(map(isfinite, numbers)):

@@ -16,8 +16,10 @@ from starlette.requests import ClientDisconnect
 from service.api.answers import ids
 from service.api.methods import allowed
 from service.api.rate_limit import rate_limit_fields
+from service.api.schema_types import JsonPointer, Name, RequestId, Text, TraceId, printable
 from service.choices import OneOf
 from service.jobs import errors
+from service.jobs.bounds import LONGEST_ROOT_PATH
 from service.problem_types import PROBLEM_TYPES, ProblemType
 
 logger = logging.getLogger(__name__)
@@ -51,25 +53,27 @@ TABLE: tuple[tuple[type[Exception], str], ...] = (
 class Fault(BaseModel):
     """One thing that is wrong, and where."""
 
-    detail: str = Field(description="What is wrong.")
-    pointer: str | None = Field(None, description="Where in the JSON body: a JSON pointer (RFC 6901).")
-    parameter: str | None = Field(None, description="Which query parameter or header.")
+    detail: Text = Field(description="What is wrong.")
+    pointer: JsonPointer | None = Field(None, description="Where in the JSON body: a JSON pointer (RFC 6901).")
+    parameter: Name | None = Field(None, description="Which query parameter or header.")
 
 
 class Problem(BaseModel):
     """An error, as RFC 9457 problem details."""
 
     type: str = Field(
+        max_length=LONGEST_ROOT_PATH + 100,
+        pattern="^.*/problems/[a-z-]+$",
         description="The address of the page about this kind of problem, `/problems/{code}` of this server.",
         examples=["/problems/queue-full"],
     )
     code: Annotated[str, OneOf(PROBLEM_TYPES)] = Field(description="The stable name of the kind.")
-    title: str = Field(description="The kind in words.")
-    status: int = Field(description="The HTTP status.")
-    detail: str = Field(description="What went wrong this time.")
-    errors: list[Fault] = Field(default_factory=list, description="Each single fault.")
-    trace_id: str | None = Field(None, description="The trace of the request (W3C), which the server's log names.")
-    request_id: str | None = Field(None, description="The request's id, which the server's log names, too.")
+    title: Name = Field(description="The kind in words.")
+    status: int = Field(ge=400, le=599, description="The HTTP status.")
+    detail: Text = Field(description="What went wrong this time.")
+    errors: list[Fault] = Field(default_factory=list, max_length=MOST_FAULTS, description="Each single fault.")
+    trace_id: TraceId | None = Field(None, description="The trace of the request (W3C), which the server's log names.")
+    request_id: RequestId | None = Field(None, description="The request's id, which the server's log names, too.")
 
 
 class HeaderError(Exception):
@@ -104,7 +108,13 @@ def response(
 def as_dict(kind: ProblemType, detail: str, root: str) -> dict[str, Any]:
     """Return the members of problem details that say what kind of problem it is."""
     status = kind.status or HTTPStatus.INTERNAL_SERVER_ERROR
-    return {"type": kind.path(root), "code": kind.code, "title": kind.title, "status": int(status), "detail": detail}
+    return {
+        "type": kind.path(root),
+        "code": kind.code,
+        "title": kind.title,
+        "status": int(status),
+        "detail": printable(detail),
+    }
 
 
 def root_path(request: Request) -> str:

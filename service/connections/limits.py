@@ -4,6 +4,8 @@ import resource
 from dataclasses import dataclass
 from typing import Self
 
+from service.jobs.bounds import HEAD_BYTES
+
 # Descriptors that a server needs beside those of its connections: databases, worker pipes, files that are read.
 OTHER_DESCRIPTORS = 128
 MOST_CONNECTIONS = 10_000
@@ -32,7 +34,7 @@ class ConnectionLimits:
 
     """
 
-    head_bytes: int = 64 * 1024
+    head_bytes: int = HEAD_BYTES
     head_fields: int = 256
     head_seconds: float = 10.0
     stall_seconds: float = 30.0

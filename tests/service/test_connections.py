@@ -70,6 +70,12 @@ def test_a_head_that_goes_on_for_ever_is_cut_off(guarded: Server) -> None:
     assert httpx.get(f"{guarded.url}/livez").status_code == 200
 
 
+def test_a_long_head_that_cannot_be_parsed_either_is_answered_once(guarded: Server) -> None:
+    answer = talk(guarded, GET + HOST + b"X: ", b"a" * 40_000, b"a" * 30_000 + b"\x00\r\n", pause=0.2)
+    assert answer.status == 400
+    assert "Fatal error" not in guarded.log
+
+
 def test_trailers_are_no_headers(guarded: Server) -> None:
     chunked = POST + HOST + CLOSE + b"Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n"
     plain, trailed = talk(guarded, chunked + END), talk(guarded, chunked + b"Content-Encoding: br\r\nHost: y\r\n\r\n")

@@ -1,27 +1,26 @@
-"""Random requests, valid and not: none gets a 500, and every response agrees with the OpenAPI document."""
+"""Random requests, valid and not, and sequences of them along the links of the OpenAPI document.
 
+None gets a 500, and every response agrees with the document: all checks of schemathesis are on.
+"""
+
+import os
 import random
-from typing import Any
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
 
 import httpx
 import pytest
-import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from schemathesis.checks import not_a_server_error
-from schemathesis.specs.openapi.checks import (
-    content_type_conformance,
-    response_schema_conformance,
-    status_code_conformance,
-)
 
-from service.bootstrap import application
-from service.settings import Settings
+from service.api_keys import new_key
 from tests.service.bodies import ellipse, npy, sphere
+from tests.service.running import COMMAND, Server
 
-schemathesis.serializer.alias("application/x-npy", "application/octet-stream")
-SCHEMA = schemathesis.openapi.from_dict(application(Settings()).openapi())
-CHECKS = (not_a_server_error, status_code_conformance, content_type_conformance, response_schema_conformance)
+HERE = Path(__file__).parent
+LEAST_LINKS = 8  # of 21; how many requests fit into the time decides which are followed
 QUICK = settings(
     max_examples=12,
     deadline=None,
@@ -30,10 +29,33 @@ QUICK = settings(
 )
 
 
-@SCHEMA.parametrize()
-@QUICK
-def test_every_operation_keeps_to_the_document(case: Any, server: str) -> None:  # noqa: ANN401 - schemathesis's own
-    case.call_and_validate(base_url=server, checks=CHECKS, headers={"Prefer": "wait=5"})
+def test_every_operation_keeps_to_the_document(start: Callable[..., Server], tmp_path: Path) -> None:
+    key, entry = new_key("fuzzer")
+    (tmp_path / "keys.toml").write_text(entry, encoding="utf-8")
+    server = start(MAX_WAIT=3, API_KEYS=tmp_path / "keys.toml")
+    done = subprocess.run(  # noqa: S603 - a program of this environment
+        [
+            *(COMMAND.with_name("schemathesis"), "--config-file", HERE / "schemathesis.toml", "run"),
+            *(f"{server.url}/openapi.json", "--checks", "all", "--max-time", "60", "--max-examples", "30"),
+            *("--header", f"Authorization: Bearer {key}"),
+            # tests.service.fuzz_hooks has a check in place of this one
+            *("--exclude-checks", "use_after_free", "--no-color", "--request-timeout", "60"),
+        ],
+        cwd=tmp_path,  # where it leaves its findings
+        env={**os.environ, "PYTHONPATH": str(HERE.parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=240.0,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Traceback" not in server.log, server.log.partition("Traceback")
+    for phase in ("Examples", "Coverage", "Fuzzing", "Stateful"):
+        assert f"✅ {phase}" in done.stdout.partition("Test Phases")[2], done.stdout
+    covered = re.search(r"API Links: +(\d+) covered", done.stdout)
+    assert covered is not None, done.stdout
+    assert int(covered.group(1)) >= LEAST_LINKS, done.stdout
+    server.stop()
 
 
 @pytest.mark.parametrize("kind", ["application/json", "application/x-npy", "text/plain"])

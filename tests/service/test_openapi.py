@@ -3,6 +3,7 @@
 import json
 import subprocess
 from collections.abc import Iterator
+from math import comb
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import jsonschema_rs
 import pytest
 
 from service.bootstrap import application
+from service.jobs.bounds import MOST_COEFFICIENTS
 from service.settings import Settings
 from tests.service.running import COMMAND
 
@@ -25,6 +27,13 @@ def nodes(node: object, at: str = "#") -> Iterator[tuple[str, dict[str, Any]]]:
         yield at, node
     for key, value in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
         yield from nodes(value, f"{at}/{key}")
+
+
+def resolved(response: dict[str, Any]) -> dict[str, Any]:
+    """Return what a response is: those that all operations have are named and described once."""
+    name = response.get("$ref", "").removeprefix("#/components/responses/")
+    found: dict[str, Any] = DOCUMENT["components"]["responses"][name] if name else response
+    return found
 
 
 def test_the_committed_document_is_the_running_one(client: httpx.Client) -> None:
@@ -61,7 +70,7 @@ def test_everything_has_a_description() -> None:
             for parameter in operation.get("parameters", ()):
                 assert parameter.get("description"), (method, path, parameter["name"])
             for status, response in operation["responses"].items():
-                assert response["description"], (method, path, status)
+                assert resolved(response)["description"], (method, path, status)
 
 
 def test_errors_are_described_as_problems() -> None:
@@ -71,7 +80,19 @@ def test_errors_are_described_as_problems() -> None:
             and at.split("/")[-2:-1] == ["responses"]
             and not at.endswith(("200", "202", "204", "206", "304"))
         ):
-            assert list(node["content"]) == ["application/problem+json"], at
+            assert list(resolved(node)["content"]) == ["application/problem+json"], at
+
+
+def test_no_fit_has_more_coefficients_than_the_document_allows() -> None:
+    options = DOCUMENT["components"]["schemas"]["FitOptions"]["properties"]["max_degree"]["anyOf"][0]
+    assert max(comb(options["maximum"] + 2, 2), comb(20 + 3, 3)) == MOST_COEFFICIENTS
+
+
+def test_a_client_that_sends_defaults_sends_no_options() -> None:
+    schemas = DOCUMENT["components"]["schemas"]
+    assert not [name for name, option in schemas["FitOptions"]["properties"].items() if "default" in option]
+    for parameter in DOCUMENT["paths"]["/v1/fits"]["post"]["parameters"]:
+        assert "default" not in parameter["schema"] or parameter["name"] == "missing"
 
 
 def test_it_is_openapi_3_1() -> None:

@@ -116,6 +116,11 @@ def test_an_encoding_that_is_not_read(client: httpx.Client) -> None:
     problem(answer, 415, "unsupported-media-type")
 
 
+def test_a_message_that_quotes_the_caller_is_one_line_without_control_characters(client: httpx.Client) -> None:
+    told = problem(client.get("/v1/fits/a%0D%0Ab%1B[2J%7F"), 404, "fit-not-found")
+    assert told["detail"] == "there is no fit a  b [2J "
+
+
 @pytest.mark.parametrize(
     "path",
     [

@@ -47,13 +47,13 @@ def test_every_link_leads_somewhere_through_the_proxy(address: str) -> None:
             assert link.startswith(PREFIX), link
             assert client.get(origin + link).status_code == 200, link
         document = client.get(f"{address}/openapi.json").json()
-        assert document["servers"] == [{"url": PREFIX}]
+        assert [server["url"] for server in document["servers"]] == [PREFIX]
         assert client.get(f"{address}/v1/fits/nobody").status_code == 404
 
 
 def test_without_a_prefix_links_are_as_they_were(client: httpx.Client) -> None:
     assert client.get("/", follow_redirects=False).headers["location"] == "/docs"
-    assert "servers" not in client.get("/openapi.json").json()
+    assert [server["url"] for server in client.get("/openapi.json").json()["servers"]] == ["/"]
 
 
 @pytest.mark.parametrize("wrong", ["ipfit", "/ipfit/", "/", "/a b", "//x", "/ä"])

@@ -11,6 +11,7 @@ from service.api.callback_fragment import FIT_ENDED
 from service.api.callers import CallerDep
 from service.api.dependencies import ContextDep
 from service.api.fragments import (
+    ACCEPTED_HEADERS,
     IDEMPOTENCY_KEY,
     IF_MATCH,
     IF_NONE_MATCH,
@@ -47,10 +48,14 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
             "model": FitResource,
             "description": "The fit has ended.",
             "content": ZERO_SET_FILES,
-            "headers": ZERO_SET_HEADERS | REPLAYED | RATE_LIMIT,
+            "headers": ACCEPTED_HEADERS | ZERO_SET_HEADERS | REPLAYED | RATE_LIMIT,
         },
-        202: {"model": FitResource, "description": "Accepted; see Location.", "headers": REPLAYED | RATE_LIMIT},
-        **problems(400, 401, 406, 409, 413, 415, 422, 429, 503),
+        202: {
+            "model": FitResource,
+            "description": "Accepted; see Location.",
+            "headers": ACCEPTED_HEADERS | REPLAYED | RATE_LIMIT,
+        },
+        **problems(400, 406, 409, 413, 415, 422, 429, 503),
     },
 )
 async def create(
@@ -97,7 +102,7 @@ async def create(
     "/{fit_id}",
     summary="Look at a fit",
     openapi_extra={"parameters": [PREFER, IF_NONE_MATCH]},
-    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **problems(401, 404, 422, 503)},
+    responses={200: {"model": FitResource}, 304: {"description": "Unchanged."}, **problems(404, 422, 503)},
 )
 async def read(request: Request, context: ContextDep, caller: CallerDep, fit_id: FitId) -> Response:
     """Return a fit; with `Prefer: wait=N`, after at most N seconds if it is still live."""
@@ -115,7 +120,7 @@ async def read(request: Request, context: ContextDep, caller: CallerDep, fit_id:
     responses={
         200: {"model": FitResource, "description": "It has ended: it was dismissed now, or had ended before."},
         204: {"description": "It is removed, with its points."},
-        **problems(401, 404, 412, 422, 503),
+        **problems(404, 412, 422, 503),
     },
 )
 async def dismiss(

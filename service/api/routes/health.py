@@ -3,7 +3,7 @@
 from fastapi import APIRouter
 
 from service.api.dependencies import ContextDep
-from service.api.openapi import problem
+from service.api.descriptions import problem
 from service.api.schemas import Health
 
 router = APIRouter(tags=["health"])

@@ -20,7 +20,7 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
     "",
     summary="List fits",
     openapi_extra={"parameters": [IF_NONE_MATCH]},
-    responses={200: {"model": FitList}, 304: {"description": "Unchanged."}, **problems(401, 422, 503)},
+    responses={200: {"model": FitList}, 304: {"description": "Unchanged."}, **problems(422, 503)},
 )
 async def list_fits(  # noqa: PLR0913, PLR0917 - as for the mesh
     request: Request,

@@ -23,7 +23,7 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
         200: {"description": "The point set.", "content": POINT_SET_FILES},
         206: {"description": "A range of its bytes.", "content": POINT_SET_FILES},
         304: {"description": "Unchanged."},
-        **problems(401, 404, 406, 416, 422, 503),
+        **problems(404, 406, 416, 422, 503),
     },
 )
 async def points(

@@ -25,7 +25,7 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
         200: {"description": "The zero set, as a file.", "content": ZERO_SET_FILES, "headers": ZERO_SET_HEADERS},
         206: {"description": "A range of its bytes.", "content": ZERO_SET_FILES},
         304: {"description": "Unchanged."},
-        **problems(401, 404, 406, 409, 413, 416, 422, 503),
+        **problems(404, 406, 409, 413, 416, 422, 503),
     },
 )
 async def mesh(  # noqa: PLR0913, PLR0917 - one parameter each in the OpenAPI document
