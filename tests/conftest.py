@@ -11,6 +11,16 @@ from tests.service.running import Server
 # Tests that start servers, kill processes and measure time, by the beginning of their ids. Two of them at once on two
 # cores would disturb each other, so one process runs all of them, while others run the tests of the mathematics.
 ONE_AFTER_THE_OTHER = ("tests/service/", "tests/test_readme.py", "tests/test_docs.py")
+# Of these, files that only read and compute, or that talk to one server and measure no time: they may run beside.
+BESIDE = tuple(
+    f"tests/service/{name}"
+    for name in (
+        "points/", "test_callback_addresses", "test_callback_sender", "test_cli_fit", "test_fair_queue",
+        "test_fair_seats", "test_files", "test_fuzz_points", "test_hostile_requests", "test_meshes", "test_npy",
+        "test_openapi", "test_options", "test_outlines", "test_picture", "test_point_sets", "test_preferences",
+        "test_split_tasks", "test_versions",
+    )
+)  # fmt: skip
 
 
 class Scheduling(LoadScopeScheduling):
@@ -20,7 +30,8 @@ class Scheduling(LoadScopeScheduling):
     """
 
     def _split_scope(self, nodeid: str) -> str:
-        return "one after the other" if nodeid.startswith(ONE_AFTER_THE_OTHER) else nodeid.partition("::")[0]
+        alone = nodeid.startswith(ONE_AFTER_THE_OTHER) and not nodeid.startswith(BESIDE)
+        return "one after the other" if alone else nodeid.partition("::")[0]
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Scheduling:

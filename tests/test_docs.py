@@ -22,7 +22,7 @@ from service.problem_types import PROBLEM_TYPES
 from tests.pages import BLOCK, DOCS, README, ROOT, RUN_BY, blocks, code, rows, run_examples, skip_without_programs
 
 PAGES = sorted(DOCS.glob("*.md"))
-LINKING = [*PAGES, README, *(ROOT / name for name in ("CONTRIBUTING.md", "CHANGELOG.md"))]
+LINKING = [*PAGES, README, *(ROOT / name for name in ("CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"))]
 LINKING += sorted([*(ROOT / "bench").glob("*.md"), *(ROOT / "load").glob("*.md")])
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 TABLE_BETWEEN = re.compile(r"<!-- table.*?-->\n(.*?)\n<!-- /table -->", re.DOTALL)

@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 from service.api.limits import Limits
 from service.api.transit import Transit
 from service.api_keys import ApiKeys
+from service.jobs.ports import Seats
 from service.jobs.use_cases import FitService
 
 
@@ -24,6 +25,8 @@ class Context:
         The limits on a request.
     incoming
         Folder of large bodies while they are read.
+    turns
+        Lets clients take turns when their point sets are read and stored.
     transit
         Counts the bytes of bodies.
     keys
@@ -34,6 +37,7 @@ class Context:
     fits: FitService
     limits: Limits
     incoming: Path
+    turns: Seats
     transit: Transit
     keys: ApiKeys | None = None
 

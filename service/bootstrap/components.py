@@ -39,6 +39,9 @@ from service.workers.pool import WorkerPool
 
 logger = logging.getLogger(__name__)
 
+# Point sets that are read and stored at once: more only wait for each other, for the interpreter and for the disk.
+ACCEPTED_AT_ONCE = 2
+
 
 @asynccontextmanager
 async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
@@ -146,7 +149,8 @@ def context(settings: Settings, fits: FitService, incoming: Path) -> Context:
         logger.warning("everybody who reaches this server may use it: there are no API keys (IPFIT_API_KEYS)")
     else:
         logger.info("%d API keys were read", len(keys.callers))
-    return Context(fits, limits(settings), incoming, Transit(settings.transit_bytes), keys)
+    turns = FairSeats("point sets", ACCEPTED_AT_ONCE, settings.queue_limit, settings.mesh_deadline)
+    return Context(fits, limits(settings), incoming, turns, Transit(settings.transit_bytes), keys)
 
 
 def connection_limits(settings: Settings) -> ConnectionLimits:

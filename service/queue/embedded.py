@@ -144,6 +144,8 @@ class EmbeddedQueue:
                 await asyncio.wait((run,))  # not `await run`: a fit that is cancelled must not end the seat
             finally:
                 del self._running[fit_id]
+                self._queue.ended(fit_id)
+                self._changed.set()  # the lane of short fits may now be open to the same client
             if run.cancelled() or (run.exception() is None and await self._has_ended(fit_id)):
                 self._forget(fit_id)
             else:

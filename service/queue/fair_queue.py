@@ -36,6 +36,7 @@ class FairQueue:
         # and not at 0. It grows with every fit that is taken, so that no stream of new clients delays the others for
         # ever.
         self._now = 0.0
+        self._short_running: dict[str, str] = {}  # the clients of short fits that run, by fit
 
     def add(self, fit: Fit) -> None:
         """Add a fit as the last of its client."""
@@ -52,6 +53,9 @@ class FairQueue:
     def take(self, *, short: bool = False) -> str | None:
         """Remove the next fit, or the next short fit, and return its id; None if there is none.
 
+        The lane of short fits is for those whose other fits are long: a client of whom a short fit runs already gets no
+        seat there, so that one who sends many of them leaves room for others.
+
         >>> from datetime import UTC, datetime
         >>> from service.jobs.fit import FitStatus, PointSetRef
         >>> from service.jobs.requested_options import RequestedOptions
@@ -62,15 +66,26 @@ class FairQueue:
         >>> queue.take(), queue.take(short=True), queue.take(), queue.take()
         ('a1', 'a2', 'b1', None)
         """
-        every = self._clients.values()
-        ready = [(client.used, found, client) for client in every if (found := client.first(short=short))]
+        every, served = self._clients, set(self._short_running.values()) if short else set()
+        ready = [
+            (client.used, found, name)
+            for name, client in every.items()
+            if name not in served and (found := client.first(short=short))
+        ]
         if not ready:
             return None
-        _, found, client = min(ready, key=lambda one: one[0])
-        self._now += client.fits[found].cost / sum(bool(one.fits) for one in every)
-        client.used += client.fits.pop(found).cost
+        _, found, name = min(ready, key=lambda one: one[0])
+        fit = every[name].fits[found]
+        self._now += fit.cost / sum(bool(one.fits) for one in every.values())
+        every[name].used += every[name].fits.pop(found).cost
+        if fit.short:
+            self._short_running[found] = name
         self._forget_idle()
         return found
+
+    def ended(self, fit_id: str) -> None:
+        """Note that a fit does not run any more, whether it has ended or will be added again."""
+        self._short_running.pop(fit_id, None)
 
     def _forget_idle(self) -> None:
         """Forget clients without waiting fits that have used no more than a new client would start with."""

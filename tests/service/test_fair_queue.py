@@ -90,6 +90,23 @@ def test_the_short_lane_takes_short_fits_only() -> None:
     assert served(queue) == [sent[0].id]
 
 
+def test_the_short_lane_leaves_room_for_who_has_no_short_fit_running() -> None:
+    queue = FairQueue()
+    flood, long = [fit("flood", 1.0) for _ in range(4)], fit("long", 10.0 * SHORT_SECONDS)
+    for one in (*flood, long):
+        queue.add(one)
+    assert queue.take() == flood[0].id
+    assert queue.take(short=True) is None
+    other, own = fit("other", 1.0), fit("long", 1.0)
+    queue.add(other)
+    assert queue.take(short=True) == other.id
+    assert queue.take() == long.id
+    queue.add(own)
+    assert queue.take(short=True) == own.id  # its long fit does not count
+    queue.ended(flood[0].id)
+    assert queue.take(short=True) == flood[1].id
+
+
 def test_who_left_is_not_served() -> None:
     queue, one, other = FairQueue(), fit("a", 1.0), fit("a", 1.0)
     for each in (one, other):

@@ -1,6 +1,7 @@
 """The routes of fits: POST one, read it, dismiss or remove it."""
 
 from http import HTTPStatus
+from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -9,7 +10,7 @@ from service.api import body, negotiation
 from service.api.answers import phase
 from service.api.callback_fragment import FIT_ENDED
 from service.api.callers import CallerDep
-from service.api.dependencies import ContextDep
+from service.api.dependencies import Context, ContextDep
 from service.api.fragments import (
     ACCEPTED_HEADERS,
     IDEMPOTENCY_KEY,
@@ -29,6 +30,9 @@ from service.api.presence import while_present
 from service.api.rate_limit import rate_limit_fields
 from service.api.representation import check_match, fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
+from service.jobs.caller import Caller
+from service.jobs.fit import Fit, ReceivedPoints
+from service.jobs.media_types import ZeroSetFormat
 from service.jobs.mesh_request import MeshRequest
 from service.options import requested
 
@@ -68,19 +72,11 @@ async def create(
     stand in the JSON body or in the query; the query wins.
     """
     fits, limits = context.fits, context.limits
-    sent, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
-    left = rate_limit_fields(await fits.check_room(caller, key))
+    negotiation.point_set_format(request, query.format)  # refuses what cannot be read, before it arrives
+    left = rate_limit_fields(await fits.check_room(caller, idempotency_key(request)))
     with phase(request, "read"):
         async with body.received(request, limits.body_bytes, context.incoming, context.transit) as content:
-            reading = fits.read(content, sent, columns=query.columns, missing=query.missing, client=caller.client)
-            points = await while_present(request, reading)
-    options = requested(points.options, query.model_dump(exclude_unset=True, exclude=NO_OPTIONS))
-    options = limits.capped(points.dimension, options)
-    plan = fits.plan(points, options)
-    limits.check_system(points, plan)
-    wanted = negotiation.wanted_file(request, points.dimension)
-    with phase(request, "store"):
-        fit, replayed = await fits.accept(points, options, plan, caller, key, callback=query.callback)
+            wanted, fit, replayed = await while_present(request, _accepted(request, context, caller, query, content))
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     with phase(request, "wait"):
@@ -96,6 +92,31 @@ async def create(
             file = await while_present(request, fits.zero_set(caller, fit, mesh))
         return zero_set_response(request, fit, wanted, file, fits.zero_set_name(fit, mesh), headers)
     return fit_response(request, fit, [], headers=headers)
+
+
+async def _accepted(
+    request: Request, context: Context, caller: Caller, query: FitQuery, content: bytes | Path
+) -> tuple[ZeroSetFormat | None, Fit, bool]:
+    """Read a point set and accept its fit, in turn with other clients.
+
+    Return the format of zero sets that is wanted in the answer, if any, the fit, and whether it was accepted before.
+    """
+    fits, limits = context.fits, context.limits
+    kind, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
+
+    async def points_read() -> ReceivedPoints:
+        return await fits.read(content, kind, columns=query.columns, missing=query.missing, client=caller.client)
+
+    large = await points_read() if isinstance(content, Path) else None  # which has a queue of its own
+    async with context.turns.taken(caller.client):
+        points = large or await points_read()
+        options = requested(points.options, query.model_dump(exclude_unset=True, exclude=NO_OPTIONS))
+        options = limits.capped(points.dimension, options)
+        plan = fits.plan(points, options)
+        limits.check_system(points, plan)
+        wanted = negotiation.wanted_file(request, points.dimension)
+        fit, replayed = await fits.accept(points, options, plan, caller, key, callback=query.callback)
+    return wanted, fit, replayed
 
 
 @router.get(
