@@ -9,15 +9,20 @@ from fastapi import Request
 
 from service.api.transit import Transit
 from service.jobs.errors import NotReadyError, TooLargeError
+from service.jobs.media_types import JSON
 
 # Bytes up to which a body stays in memory and is read in a thread, in a millisecond or two. A larger one is written to
-# a file and read in a worker process.
-IN_MEMORY_BYTES = 256 * 1024
+# a file and read in a worker process. JSON takes longer, and all other requests wait meanwhile.
+IN_MEMORY_BYTES, IN_MEMORY_BYTES_OF_JSON = 256 * 1024, 64 * 1024
 
 
 @asynccontextmanager
-async def received(request: Request, most: int, folder: Path, transit: Transit) -> AsyncIterator[bytes | Path]:
-    """Yield the body as bytes if it is small, else as a file in `folder` that is removed afterwards.
+async def received(
+    request: Request, kind: str, most: int, folder: Path, transit: Transit
+) -> AsyncIterator[bytes | Path]:
+    """Yield the body, which is of the format `kind`, as bytes if it is small, else as a file in `folder`.
+
+    The file is removed afterwards.
 
     Its bytes are counted in `transit` until then.
 
@@ -32,7 +37,8 @@ async def received(request: Request, most: int, folder: Path, transit: Transit) 
 
     """
     with _counted(transit, request) as stream:
-        async with _received(request, stream, most, folder) as content:
+        small = IN_MEMORY_BYTES_OF_JSON if kind == JSON.name else IN_MEMORY_BYTES
+        async with _received(request, stream, most, folder, small) as content:
             yield content
 
 
@@ -56,7 +62,7 @@ def _counted(transit: Transit, request: Request) -> Iterator[AsyncIterator[bytes
 
 @asynccontextmanager
 async def _received(
-    request: Request, stream: AsyncIterator[bytes], most: int, folder: Path
+    request: Request, stream: AsyncIterator[bytes], most: int, folder: Path, small: int
 ) -> AsyncIterator[bytes | Path]:
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced) > most:
@@ -64,7 +70,7 @@ async def _received(
     head = bytearray()
     async for chunk in stream:
         head += chunk
-        if len(head) > IN_MEMORY_BYTES:
+        if len(head) > small:
             break
     else:
         yield bytes(head)

@@ -72,10 +72,10 @@ async def create(
     stand in the JSON body or in the query; the query wins.
     """
     fits, limits = context.fits, context.limits
-    negotiation.point_set_format(request, query.format)  # refuses what cannot be read, before it arrives
+    kind = negotiation.point_set_format(request, query.format)
     left = rate_limit_fields(await fits.check_room(caller, idempotency_key(request)))
     with phase(request, "read"):
-        async with body.received(request, limits.body_bytes, context.incoming, context.transit) as content:
+        async with body.received(request, kind, limits.body_bytes, context.incoming, context.transit) as content:
             wanted, fit, replayed = await while_present(request, _accepted(request, context, caller, query, content))
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
