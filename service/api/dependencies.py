@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 from service.api.limits import Limits
 from service.api.transit import Transit
 from service.api_keys import ApiKeys
+from service.jobs.fit_files import FitFiles
 from service.jobs.ports import Seats
 from service.jobs.use_cases import FitService
 
@@ -21,6 +22,8 @@ class Context:
     ----------
     fits
         The use cases.
+    files
+        The use cases that make files of fits.
     limits
         The limits on a request.
     incoming
@@ -35,6 +38,7 @@ class Context:
     """
 
     fits: FitService
+    files: FitFiles
     limits: Limits
     incoming: Path
     turns: Seats

@@ -40,12 +40,12 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         queue = FitListener(store, _conninfo(settings))
         listening = asyncio.create_task(queue.listen())
         try:
-            with temporary_folder() as incoming, temporary_folder() as files:
+            with temporary_folder() as incoming, temporary_folder() as folder:
                 async with (
                     components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
-                    components.fit_service(settings, store, blobs, queue, callbacks, files) as fits,
+                    components.use_cases(settings, store, blobs, queue, callbacks, folder) as (fits, files),
                 ):
-                    yield components.context(settings, fits, incoming)
+                    yield components.context(settings, fits, files, incoming)
         finally:
             listening.cancel()
 

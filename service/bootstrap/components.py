@@ -26,6 +26,7 @@ from service.jobs.admission import Admission
 from service.jobs.callback_ports import CallbackRules, CallbackStore
 from service.jobs.deliveries import Deliveries
 from service.jobs.fit import MAX_CRASHES
+from service.jobs.fit_files import FitFiles
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
@@ -76,9 +77,9 @@ def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: Worke
 
 
 @asynccontextmanager
-async def fit_service(  # noqa: PLR0913, PLR0917 - the parts from which it is made
+async def use_cases(  # noqa: PLR0913, PLR0917 - the parts from which it is made
     settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue, callbacks: CallbackRules, files: Path
-) -> AsyncIterator[FitService]:
+) -> AsyncIterator[tuple[FitService, FitFiles]]:
     """Yield the use cases, with workers of their own that read bodies, and that make files in the folder `files`.
 
     They work while fits run, and neither do uploads wait for meshes nor meshes for uploads.
@@ -88,16 +89,16 @@ async def fit_service(  # noqa: PLR0913, PLR0917 - the parts from which it is ma
         reading = FairSeats("uploads", 1, places, deadline)
         making = FairSeats("files", settings.mesh_workers, places, deadline)
         cache = FileCache(files, settings.mesh_cache_bytes)
-        yield FitService(
+        fits = FitService(
             store,
             blobs,
             queue,
             PointSetReader(readers, reading, settings.max_points, deadline),
-            Exports(makers, making, cache, blobs, deadline, settings.max_mesh_bytes),
             planner=FitPlanner(),
             callbacks=callbacks,
             split_points=settings.split_points,
         )
+        yield fits, FitFiles(fits, Exports(makers, making, cache, blobs, deadline, settings.max_mesh_bytes))
 
 
 def admission(settings: Settings) -> Admission:
@@ -142,7 +143,7 @@ def limits(settings: Settings) -> Limits:
     )
 
 
-def context(settings: Settings, fits: FitService, incoming: Path) -> Context:
+def context(settings: Settings, fits: FitService, files: FitFiles, incoming: Path) -> Context:
     """Return the context of the routes."""
     keys = None if settings.api_keys is None else ApiKeys.read(settings.api_keys)
     if keys is None:
@@ -150,7 +151,7 @@ def context(settings: Settings, fits: FitService, incoming: Path) -> Context:
     else:
         logger.info("%d API keys were read", len(keys.callers))
     turns = FairSeats("point sets", ACCEPTED_AT_ONCE, settings.queue_limit, settings.mesh_deadline)
-    return Context(fits, limits(settings), incoming, turns, Transit(settings.transit_bytes), keys)
+    return Context(fits, files, limits(settings), incoming, turns, Transit(settings.transit_bytes), keys)
 
 
 def connection_limits(settings: Settings) -> ConnectionLimits:

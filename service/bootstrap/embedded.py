@@ -28,11 +28,11 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
                 async with (
                     components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
-                    components.fit_service(settings, store, blobs, queue, callbacks, folder.files) as fits,
+                    components.use_cases(settings, store, blobs, queue, callbacks, folder.files) as (fits, files),
                 ):
                     try:
                         await queue.resume()
-                        yield components.context(settings, fits, folder.incoming)
+                        yield components.context(settings, fits, files, folder.incoming)
                     finally:
                         await queue.close()
         finally:

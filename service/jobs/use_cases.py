@@ -1,50 +1,44 @@
-"""The use cases: read a point set, accept a fit, look it up, wait for it, export its zero set, dismiss it."""
+"""The use cases: read a point set, accept a fit, look it up, wait for it, list, dismiss and remove it."""
 
 import asyncio
 import re
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import ipcore
 from service.jobs.admission import Allowance
 from service.jobs.callback_ports import CallbackRules
 from service.jobs.caller import Caller, Quota
 from service.jobs.errors import (
-    FitNotFinishedError,
     FitNotFoundError,
-    FitWithoutResultError,
-    JobError,
     NotReadyError,
     QueueFullError,
     QuotaExceededError,
     ShuttingDownError,
 )
-from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Fit, ReceivedPoints
 from service.jobs.media_types import Missing
-from service.jobs.mesh_request import MeshRequest
 from service.jobs.new_fit import new_fit
 from service.jobs.page import Page
 from service.jobs.parts import split
-from service.jobs.ports import BlobStore, Exports, FitQueue, FitStore, Planner, Reader
+from service.jobs.ports import BlobStore, FitQueue, FitStore, Planner, Reader
 from service.jobs.requested_options import RequestedOptions
+from service.jobs.store_calls import call_store
 
-T = TypeVar("T")
 FIT_ID = re.compile("[0-9a-f]{32}")
 
 
 class FitService:
     """The use cases of fits. The stores block, so they are called in threads, and the event loop never waits."""
 
-    def __init__(  # noqa: PLR0913 - seven ports, one setting
+    def __init__(  # noqa: PLR0913 - six ports, one setting
         self,
         store: FitStore,
         blobs: BlobStore,
         queue: FitQueue,
         reader: Reader,
-        exports: Exports,
         *,
         planner: Planner,
         callbacks: CallbackRules,
@@ -52,7 +46,7 @@ class FitService:
     ) -> None:
         """Use these ports; split fits of more than `split_points` points that can be made from moments."""
         self._store, self._blobs, self._queue = store, blobs, queue
-        self._reader, self._exports, self._planner = reader, exports, planner
+        self._reader, self._planner = reader, planner
         self._callbacks, self._split_points = callbacks, split_points
 
     async def check_room(self, caller: Caller, key: str | None = None) -> list[Allowance]:
@@ -65,11 +59,11 @@ class FitService:
 
         """
         self._refuse_when_stopping()
-        admission, usage = self._store.admission, await _call_store(self._store.usage, caller)
+        admission, usage = self._store.admission, await call_store(self._store.usage, caller)
         try:
             admission.check(usage, caller.quota)
         except (QueueFullError, QuotaExceededError):
-            if key is None or not await _call_store(self._store.has_key, caller.owner, key):
+            if key is None or not await call_store(self._store.has_key, caller.owner, key):
                 raise
         return admission.allowances(usage, caller.quota)
 
@@ -149,9 +143,7 @@ class FitService:
     async def _add(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> Fit:
         """Store a fit with its input; if that fails, remove the input, which may take the last room on the disk."""
         try:
-            return await _call_store(
-                self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts, quota
-            )
+            return await call_store(self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts, quota)
         except NotReadyError:
             with suppress(Exception):
                 await asyncio.to_thread(self._store.discard, new.input.key, self._blobs.delete)
@@ -178,31 +170,6 @@ class FitService:
         """Return the degrees that a running fit has tried so far."""
         return [] if fit.status.final else await self._queue.progress(fit.id)
 
-    def zero_set_name(self, fit: Fit, wanted: MeshRequest) -> str:
-        """Return the name of the file of a zero set: the same for the same polynomial, request and version.
-
-        Raises
-        ------
-        FitNotFinishedError, FitWithoutResultError
-            If the fit has no result yet, or will never have one.
-
-        """
-        return self._exports.zero_set_name(_result(fit), fit.input, wanted)
-
-    async def zero_set(
-        self, caller: Caller, fit: Fit, wanted: MeshRequest, encoding: str | None = None
-    ) -> ExportedFile:
-        """Return the file of the zero set of a successful fit, compressed if `encoding` is given.
-
-        Raises
-        ------
-        FitNotFinishedError, FitWithoutResultError
-            If the fit has no result yet, or will never have one.
-
-        """
-        export = self._exports.zero_set(_result(fit), fit.input, wanted, encoding, caller.client)
-        return await self._exported(caller, fit, export)
-
     async def check(self) -> None:
         """Check that the server is ready: fits can be looked up, and new ones are accepted.
 
@@ -213,34 +180,23 @@ class FitService:
 
         """
         self._refuse_when_stopping()
-        await _call_store(self._store.count_waiting)
+        await call_store(self._store.count_waiting)
 
     async def listed(self, caller: Caller, page: Page) -> Sequence[Fit]:
         """Return the caller's fits of a page, without their results."""
-        return await _call_store(self._store.listed, page, caller.owner)
-
-    async def points(self, caller: Caller, fit: Fit, form: str, encoding: str | None = None) -> ExportedFile:
-        """Return the points of a fit as a file of this format, compressed if `encoding` is given."""
-        return await self._exported(caller, fit, self._exports.points(fit.input, form, encoding, caller.client))
+        return await call_store(self._store.listed, page, caller.owner)
 
     async def dismiss(self, caller: Caller, fit_id: str) -> Fit:
         """Dismiss a fit if it is live, kill its worker, and return the fit."""
         await self._get(caller, fit_id)
-        if await _call_store(self._store.dismiss, fit_id):
+        if await call_store(self._store.dismiss, fit_id):
             self._queue.cancel(fit_id)
         return await self._get(caller, fit_id)
 
     async def purge(self, caller: Caller, fit_id: str) -> None:
         """Remove a fit that has ended, with its points."""
         await self._get(caller, fit_id)
-        await _call_store(self._store.remove, fit_id, self._blobs.delete)
-
-    async def _exported(self, caller: Caller, fit: Fit, export: Awaitable[ExportedFile]) -> ExportedFile:
-        try:
-            return await export
-        except NotReadyError:
-            await self._get(caller, fit.id)  # raises FitNotFoundError if the fit was removed in this moment
-            raise
+        await call_store(self._store.remove, fit_id, self._blobs.delete)
 
     async def drain(self, seconds: float) -> None:
         """Accept and start no more fits, give those that run so much time to end, then end every wait for a fit."""
@@ -256,25 +212,7 @@ class FitService:
 
     async def _get(self, caller: Caller, fit_id: str) -> Fit:
         # no database is asked for what no fit can be called: PostgreSQL does not take a text with a zero byte
-        fit = await _call_store(self._store.get, fit_id) if FIT_ID.fullmatch(fit_id) else None
+        fit = await call_store(self._store.get, fit_id) if FIT_ID.fullmatch(fit_id) else None
         if fit is None or fit.owner != caller.owner or fit.whole is not None:  # parts are internal
             raise FitNotFoundError(f"there is no fit {fit_id[:40]}")
         return fit
-
-
-def _result(fit: Fit) -> bytes:
-    if not fit.status.final:
-        raise FitNotFinishedError(f"fit {fit.id} is {fit.status}; its zero set can be had when it is successful")
-    if fit.result is None:
-        raise FitWithoutResultError(f"fit {fit.id} is {fit.status} and has no zero set")
-    return fit.result
-
-
-async def _call_store(call: Callable[..., T], *arguments: object) -> T:
-    """Call the store in a thread. An error there, such as a full disk or a lost database, is one that may pass."""
-    try:
-        return await asyncio.to_thread(call, *arguments)
-    except JobError:
-        raise
-    except Exception as error:
-        raise NotReadyError(f"fits cannot be stored or looked up at the moment: {type(error).__name__}") from error

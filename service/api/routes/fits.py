@@ -89,8 +89,8 @@ async def create(
     if wanted is not None:
         mesh = MeshRequest(wanted.name)
         with phase(request, "mesh"):
-            file = await while_present(request, fits.zero_set(caller, fit, mesh))
-        return zero_set_response(request, fit, wanted, file, fits.zero_set_name(fit, mesh), headers)
+            file = await while_present(request, context.files.zero_set(caller, fit, mesh))
+        return zero_set_response(request, fit, wanted, file, context.files.zero_set_name(fit, mesh), headers)
     return fit_response(request, fit, [], headers=headers)
 
 

@@ -42,5 +42,5 @@ async def points(
     name = f"{fit.input.key} {chosen.name}"
     if (known := known_response(request, name)) is not None:
         return known
-    made = context.fits.points(caller, fit, chosen.name, negotiation.content_encoding(request))
+    made = context.files.points(caller, fit, chosen.name, negotiation.content_encoding(request))
     return points_response(request, fit, chosen, await while_present(request, made), name)

@@ -43,17 +43,17 @@ async def mesh(  # noqa: PLR0913, PLR0917 - one parameter each in the OpenAPI do
     Vertices lie on f = 0 to rounding; faces look outward, away from f < 0. A file that was asked for before is sent
     again without being made again.
     """
-    fits = context.fits
-    fit = await fits.get(caller, fit_id)
+    files = context.files
+    fit = await context.fits.get(caller, fit_id)
     dimension = fit.input.dimension
     chosen = negotiation.zero_set_format(request, dimension, format)
     context.limits.check_resolution(resolution, dimension)
     box = None if bounds is None else corners(bounds, dimension)
     wanted = MeshRequest(chosen.name, resolution, box, extent == "data")
-    name = fits.zero_set_name(fit, wanted)
+    name = files.zero_set_name(fit, wanted)
     if (known := known_response(request, name)) is not None:
         return known
     with phase(request, "mesh"):
-        made = fits.zero_set(caller, fit, wanted, negotiation.content_encoding(request))
+        made = files.zero_set(caller, fit, wanted, negotiation.content_encoding(request))
         file = await while_present(request, made)
     return zero_set_response(request, fit, chosen, file, name)
