@@ -136,7 +136,7 @@ class Caller:
             if isinstance(error, httpx.TimeoutException):
                 self._log.unexplained.append(f"{method} {path}: {error!r}")
             return None
-        problem = answer.json().get("type", "").rpartition(":")[2] if answer.status_code >= 400 else ""  # noqa: PLR2004 - HTTP
+        problem = answer.json().get("code", "") if answer.status_code >= 400 else ""  # noqa: PLR2004 - HTTP
         self._log.note(f"{method}: {answer.status_code} {problem}".rstrip())
         if not _explained(method, answer, problem):
             self._log.unexplained.append(f"{method} {path}: {answer.status_code} {answer.text[:300]}")

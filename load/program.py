@@ -15,6 +15,7 @@ SETTINGS: dict[str, object] = {
     "SHORT_WORKERS": 1,
     "LEASE": 5,
     "QUEUE_LIMIT": 12,
+    "CLIENT_SHARE": 1,  # all callers have one address
     "SHUTDOWN_GRACE": 1,
     "TASKS_PER_WORKER": 20,
     "SPLIT_POINTS": 20_000,
