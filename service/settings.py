@@ -104,7 +104,10 @@ class Settings(BaseSettings):
         16, ge=1, description="Uploads, and meshes, that may wait for their worker; more are answered with 503."
     )
     transit_bytes: int = Field(
-        2**30, ge=2**20, description="Bytes of bodies that may be on their way in at once; more are answered with 503."
+        2**30,
+        ge=2**20,
+        description="Bytes of bodies that may be on their way in at once, half of them of one client; more are "
+        "answered with 503.",
     )
     api_keys: Path | None = Field(
         None, description="A file with the API keys that may call this server; without it everybody may."

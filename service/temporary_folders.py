@@ -9,8 +9,9 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-FOLDER_PREFIX = "ipfit-"
-_LOCK = "lock"  # held by the process that uses the folder; the system releases it when the process ends
+# Neither name is one of a data folder, which must never be taken for a folder that was left.
+FOLDER_PREFIX = "ipfit-temporary-"
+_LOCK = ".in-use"  # held by the process that uses the folder; the system releases it when the process ends
 
 
 class TemporaryFolder:

@@ -24,14 +24,30 @@ are always the caller's. Errors are problem details (RFC 9457).
 """
 
 # The headers that pages of other origins may send and read, where those are allowed.
-CORS_SENT = ["Authorization", "Content-Type", "Idempotency-Key", "If-Match", "If-None-Match", "Prefer", "Range"]
+CORS_SENT = [
+    "Authorization",
+    "Content-Type",
+    "Idempotency-Key",
+    "If-Match",
+    "If-None-Match",
+    "If-Range",
+    "Prefer",
+    "Range",
+    "Traceparent",
+    "X-Request-Id",
+]
 CORS_READ = [
+    "Accept-Ranges",
+    "Content-Disposition",
     "Content-Location",
+    "Content-Range",
     "ETag",
     "Idempotency-Replayed",
     "Link",
     "Location",
     "Preference-Applied",
+    "RateLimit",
+    "RateLimit-Policy",
     "Retry-After",
     "Server-Timing",
     "Traceparent",

@@ -1,7 +1,7 @@
 """Receiving the body of a request without holding a large one in memory."""
 
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
@@ -18,13 +18,13 @@ IN_MEMORY_BYTES, IN_MEMORY_BYTES_OF_JSON = 256 * 1024, 64 * 1024
 
 @asynccontextmanager
 async def received(
-    request: Request, kind: str, most: int, folder: Path, transit: Transit
+    request: Request, kind: str, most: int, folder: Path, counted: AbstractContextManager[AsyncIterator[bytes]]
 ) -> AsyncIterator[bytes | Path]:
     """Yield the body, which is of the format `kind`, as bytes if it is small, else as a file in `folder`.
 
     The file is removed afterwards.
 
-    Its bytes are counted in `transit` until then.
+    `counted` yields its bytes, and counts them until then.
 
     Raises
     ------
@@ -36,28 +36,28 @@ async def received(
         If too many bytes of bodies are on their way in.
 
     """
-    with _counted(transit, request) as stream:
+    with counted as stream:
         small = IN_MEMORY_BYTES_OF_JSON if kind == JSON.name else IN_MEMORY_BYTES
         async with _received(request, stream, most, folder, small) as content:
             yield content
 
 
 @contextmanager
-def _counted(transit: Transit, request: Request) -> Iterator[AsyncIterator[bytes]]:
-    """Yield the stream of a body, whose bytes are counted."""
-    counted = 0
+def counted(request: Request, transit: Transit, client: str) -> Iterator[AsyncIterator[bytes]]:
+    """Yield the stream of a body, whose bytes are counted as those of a client."""
+    size = 0
 
     async def stream() -> AsyncIterator[bytes]:
-        nonlocal counted
+        nonlocal size
         async for chunk in request.stream():
-            transit.enter(len(chunk))
-            counted += len(chunk)
+            transit.enter(len(chunk), client)
+            size += len(chunk)
             yield chunk
 
     try:
         yield stream()
     finally:
-        transit.leave(counted)
+        transit.leave(size, client)
 
 
 @asynccontextmanager

@@ -31,13 +31,14 @@ def file_response(
 
     Of several ranges none is taken, and the file is sent whole (RFC 9110, 14.2); so it is if Range cannot be read.
     """
-    size, asked = file.path.stat().st_size, request.headers.get("range")
-    own = {"ETag": _etag(name, file.encoding), **KEEP, **headers}
+    size, etag = file.path.stat().st_size, _etag(name, file.encoding)
+    asked, unless = request.headers.get("range"), request.headers.get("if-range")
+    own = {"ETag": etag, **KEEP, **headers}
     if file.encoding is not None:
         own["Content-Encoding"] = file.encoding
-    if asked is not None and not _is_readable(asked):
+    if asked is not None and (request.method != "GET" or not _is_readable(asked) or unless not in {None, etag}):
         del MutableHeaders(scope=request.scope)["range"]
-    elif asked is not None and request.headers.get("if-range") is None and not _is_inside(asked, size):
+    elif asked is not None and not _is_inside(asked, size):
         unsatisfiable = {"Content-Range": f"bytes */{size}"}
         return problems.response(request, "range-not-satisfiable", f"the file has {size} bytes", headers=unsatisfiable)
     return FileResponse(file.path, headers=own, media_type=media_type, stat_result=file.path.stat())

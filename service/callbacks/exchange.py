@@ -91,6 +91,6 @@ def _retry_after(value: bytes) -> float:
     """
     if value.isdigit():
         return float(value[:9])
-    with suppress(ValueError):
+    with suppress(ValueError, OverflowError):
         return max(parsedate_to_datetime(value.decode("latin-1")).timestamp() - time(), 0.0)
     return 0.0

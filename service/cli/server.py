@@ -5,6 +5,7 @@ import resource
 import signal
 import socket
 import sys
+import threading
 from contextlib import suppress
 from types import FrameType
 from typing import Annotated
@@ -30,6 +31,8 @@ from service.telemetry.logs import log_config
 GRACE_SECONDS = 5
 # The same after a second signal.
 SHORT_GRACE_SECONDS = 1
+# Of each thread: the system's default of 8 MiB counts in full, and a server has three threads for each worker.
+STACK_BYTES = 2 * 2**20
 
 
 class _Server(uvicorn.Server):
@@ -85,6 +88,7 @@ def protect(memory: int) -> None:
     Its workers, which inherit both, set a limit of their own.
     """
     os.umask(0o077)
+    threading.stack_size(STACK_BYTES)
     hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
     resource.setrlimit(resource.RLIMIT_DATA, (memory if hard == resource.RLIM_INFINITY else min(memory, hard), hard))
 

@@ -44,15 +44,19 @@ class Pace:
         return self._head_since is not None and now - self._head_since > self._limits.head_seconds
 
     def body_is_late(self, now: float, *, paused: bool) -> bool:
-        """Return whether the body has arrived at less than the least rate since the stall time before.
+        """Return whether the body has arrived at less than the least rate for the stall time.
 
-        While the server does not read (`paused`), the time does not count.
+        What came fast before does not count, nor does the time in which the server does not read (`paused`).
         """
         if paused:
             self._body_since += now - self._looked
         self._looked = now
-        late = now - self._body_since - self._limits.stall_seconds
-        return self.received - self._body_from < late * self._limits.least_rate
+        waited = now - self._body_since
+        if waited <= self._limits.stall_seconds:
+            return False
+        late = self.received - self._body_from < waited * self._limits.least_rate
+        self._body_since, self._body_from = now, self.received
+        return late
 
     def reader_is_late(self, now: float, waiting: int) -> bool:
         """Return whether the peer has taken nothing worth mentioning of the `waiting` bytes for the stall time."""

@@ -51,6 +51,8 @@ class Refusal(Exception):  # noqa: N818 - raised in callbacks of the parser, to 
             "content-length": str(len(body)),
             "cache-control": "no-store",
             "x-content-type-options": "nosniff",
+            "x-frame-options": "DENY",
+            "content-security-policy": "default-src 'none'; frame-ancestors 'none'; sandbox",
             "connection": "close",
             **self.ids.headers,
         }

@@ -1,6 +1,7 @@
 """Who may add a fit to the queue now: the limits of the queue, and each caller's share of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from service.jobs.caller import Quota
 from service.jobs.errors import QueueFullError, QuotaExceededError
@@ -57,6 +58,10 @@ class Allowance:
     remaining: int
     reset: float
     window: float | None = None
+
+    def after_one(self) -> Self:
+        """Return what is left after one more fit."""
+        return replace(self, remaining=max(0, self.remaining - 1))
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,16 @@
 """A page of a list of fits."""
 
 import base64
+import re
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Self
 
 from service.jobs.errors import InvalidInputError
 from service.jobs.fit import Fit, FitStatus
+
+# A time with its zone, and an id; no other text is shown to a database.
+_CURSOR = re.compile(r"([0-9T:.-]{19,26}\+00:00) ([0-9a-f]{1,32})")
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,8 @@ class Page:
 def _parsed(cursor: str) -> tuple[datetime, str]:
     try:
         text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True).decode("ascii")
-        created, fit_id = text.split(" ")
+        found = _CURSOR.fullmatch(text)
+        created, fit_id = found.groups() if found is not None else ("", "")
         return datetime.fromisoformat(created).astimezone(UTC), fit_id
     except (ValueError, OverflowError) as error:
         raise InvalidInputError("cursor must be the one in `next` of the page before", ("cursor",)) from error

@@ -48,6 +48,7 @@ class FitService:
         self._store, self._blobs, self._queue = store, blobs, queue
         self._reader, self._planner = reader, planner
         self._callbacks, self._split_points = callbacks, split_points
+        self._adding: set[asyncio.Task[tuple[Fit, bool]]] = set()
 
     async def check_room(self, caller: Caller, key: str | None = None) -> list[Allowance]:
         """Return what the caller may still send, before the body of a request is read.
@@ -133,12 +134,25 @@ class FitService:
         new, parts = new_fit(points, requested, plan, caller=caller, key=key, callback=callback), list[Fit]()
         if points.frame is not None and points.points > self._split_points and plan.summable:
             new, parts = split(new, points.frame, self._split_points)
-        fit = await self._add(new, points.content, parts, caller.quota)
+        # To its end, even if the caller goes away meanwhile: a fit that is stored has to be queued as well.
+        adding = asyncio.create_task(self._add_and_submit(new, points.content, parts, caller.quota))
+        self._adding.add(adding)
+        adding.add_done_callback(self._added)
+        return await asyncio.shield(adding)
+
+    async def _add_and_submit(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> tuple[Fit, bool]:
+        """Store a fit and queue it; return it, and whether it was stored before."""
+        fit = await self._add(new, content, parts, quota)
         if fit.id != new.id:
             return fit, True
         for one in parts or [fit]:
             self._queue.submit(one)
         return fit, False
+
+    def _added(self, adding: asyncio.Task[tuple[Fit, bool]]) -> None:
+        self._adding.discard(adding)
+        if not adding.cancelled():
+            adding.exception()  # nobody else may be left to look at it
 
     async def _add(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> Fit:
         """Store a fit with its input; if that fails, remove the input, which may take the last room on the disk."""

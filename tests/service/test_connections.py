@@ -72,7 +72,7 @@ def test_a_head_that_goes_on_for_ever_is_cut_off(guarded: Server) -> None:
 
 def test_a_long_head_that_cannot_be_parsed_either_is_answered_once(guarded: Server) -> None:
     answer = talk(guarded, GET + HOST + b"X: ", b"a" * 40_000, b"a" * 30_000 + b"\x00\r\n", pause=0.2)
-    assert answer.status == 400
+    assert answer.status in (400, 431)
     assert "Fatal error" not in guarded.log
 
 
@@ -152,17 +152,6 @@ def test_silent_peers_do_not_keep_others_waiting(guarded: Server) -> None:
     assert sorted(times)[48] < 0.5
     for one in silent:
         one.close()
-
-
-def test_the_pace_of_a_body_counts_only_while_the_server_reads() -> None:
-    pace = Pace(ConnectionLimits(stall_seconds=10.0, least_rate=100.0))
-    pace.wait_for_body(0.0)
-    assert not pace.body_is_late(9.0, paused=False)
-    assert not pace.body_is_late(50.0, paused=True)
-    assert not pace.body_is_late(51.0, paused=False)
-    pace.received = 50
-    assert not pace.body_is_late(51.4, paused=False)
-    assert pace.body_is_late(51.6, paused=False)
 
 
 def test_a_reader_is_late_if_it_takes_nothing() -> None:

@@ -4,6 +4,7 @@ import gzip
 import io
 import socket
 import threading
+import time
 
 import httpx
 import pytest
@@ -98,6 +99,7 @@ def test_a_range_of_a_file(shared: Server, ball: str) -> None:
         answer = get(ignored)
         assert (answer.status_code, answer.content) == (200, whole.content)
     for outside in (f"bytes={size}-", "bytes=-0", f"bytes={'9' * 18}-"):
+        problem(get(outside, **{"If-Range": etag}), 416, "range-not-satisfiable")
         answer = get(outside)
         problem(answer, 416, "range-not-satisfiable")
         assert answer.headers["Content-Range"] == f"bytes */{size}"
@@ -151,6 +153,26 @@ def test_the_work_for_a_client_that_has_gone_ends(start: Start) -> None:
         (worker,) = until(lambda: server.busy(0.1))
     until(lambda: worker not in server.workers(), 5.0)  # killed, long before it was ready
     assert server.client.get(f"/v1/fits/{fit['id']}/mesh?resolution=32").status_code == 200
+
+
+def test_fits_whose_senders_have_gone_are_run_all_the_same(start: Start) -> None:
+    server = start(WORKERS=1)
+    url = httpx.URL(server.url)
+    for i in range(30):
+        body = npy(torus(1000 + i))
+        head = (
+            "POST /v1/fits?max_degree=1&geometric=false&measure_zero_set=false HTTP/1.1\r\nHost: x\r\n"
+            f"Content-Type: application/x-npy\r\nContent-Length: {len(body)}\r\n\r\n"
+        )
+        with socket.create_connection((url.host, url.port or 80)) as connection:
+            connection.sendall(head.encode() + body)
+            time.sleep(0.002 * (i % 10))  # some go before the fit is stored, some while it is, and some after
+    until(lambda: not live(server), 60.0)
+
+
+def live(server: Server) -> list[str]:
+    fits = server.client.get("/v1/fits?limit=100").json()["fits"]
+    return [one["id"] for one in fits if one["status"] in ("accepted", "running")]
 
 
 def test_the_cache_forgets_what_was_not_used_for_longest(start: Start) -> None:

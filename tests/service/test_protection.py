@@ -55,14 +55,13 @@ def test_folders_in_use_and_those_of_others_stay(tmp_path: Path, monkeypatch: py
     used = TemporaryFolder()
     dead = tmp_path / f"{FOLDER_PREFIX}dead"
     dead.mkdir()
-    (dead / "lock").touch()
+    (dead / ".in-use").touch()
+    stopped = tmp_path / "ipfit-data"  # the data folder of a server that does not run
+    stopped.mkdir()
+    (stopped / "lock").touch()
     with temporary_folder() as here:
-        assert {one.name for one in tmp_path.iterdir()} == {
-            f"{FOLDER_PREFIX}being-made",
-            "other",
-            used.path.name,
-            here.name,
-        }
+        kept = {f"{FOLDER_PREFIX}being-made", "ipfit-data", "other", used.path.name, here.name}
+        assert {one.name for one in tmp_path.iterdir()} == kept
     assert not here.exists()
     used.remove()
 
@@ -105,7 +104,7 @@ def test_the_server_has_a_limit_of_its_own_and_workers_have_theirs(start: Start)
 
 
 def test_too_many_bytes_on_their_way_in_are_refused(start: Start) -> None:
-    server = start(WORKERS=1, TRANSIT_BYTES=2**20)
+    server = start(WORKERS=1, TRANSIT_BYTES=2**21)
     body = npy(torus(20_000))
     assert len(body) < 2**20
     answers: list[httpx.Response] = []
@@ -127,6 +126,10 @@ def test_too_many_bytes_on_their_way_in_are_refused(start: Start) -> None:
     refused = server.client.post("/v1/fits", content=body, headers=NPY)
     problem(refused, 503, "queue-full")
     assert int(refused.headers["Retry-After"]) >= 1
+    other = httpx.HTTPTransport(local_address="127.0.0.9")
+    with httpx.Client(base_url=server.url, transport=other, timeout=60.0) as client:
+        sent = client.post("/v1/fits?max_degree=2&geometric=false", content=body, headers=NPY)
+        assert sent.json()["status"] == "successful"
     go_on.set()
     sender.join()
     assert answers[0].json()["status"] == "successful"

@@ -73,14 +73,15 @@ async def create(
     """
     fits, limits = context.fits, context.limits
     kind = negotiation.point_set_format(request, query.format)
-    left = rate_limit_fields(await fits.check_room(caller, idempotency_key(request)))
-    with phase(request, "read"):
-        async with body.received(request, kind, limits.body_bytes, context.incoming, context.transit) as content:
-            wanted, fit, replayed = await while_present(request, _accepted(request, context, caller, query, content))
+    allowances = await fits.check_room(caller, idempotency_key(request))
+    stream = body.counted(request, context.transit, caller.client)
+    async with body.received(request, kind, limits.body_bytes, context.incoming, stream) as content:
+        wanted, fit, replayed = await while_present(request, _accepted(request, context, caller, query, content))
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     with phase(request, "wait"):
         fit = await while_present(request, fits.get(caller, fit.id, seconds))
+    left = rate_limit_fields(allowances if replayed else (one.after_one() for one in allowances))
     headers = {"Location": fit_path(request, fit.id), **left, **preferences.applied(seconds)}
     if replayed:
         headers["Idempotency-Replayed"] = "true"
@@ -105,7 +106,8 @@ async def _accepted(
     kind, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
 
     async def points_read() -> ReceivedPoints:
-        return await fits.read(content, kind, columns=query.columns, missing=query.missing, client=caller.client)
+        with phase(request, "read"):
+            return await fits.read(content, kind, columns=query.columns, missing=query.missing, client=caller.client)
 
     large = await points_read() if isinstance(content, Path) else None  # which has a queue of its own
     async with context.turns.taken(caller.client):
@@ -115,7 +117,8 @@ async def _accepted(
         plan = fits.plan(points, options)
         limits.check_system(points, plan)
         wanted = negotiation.wanted_file(request, points.dimension)
-        fit, replayed = await fits.accept(points, options, plan, caller, key, callback=query.callback)
+        with phase(request, "store"):
+            fit, replayed = await fits.accept(points, options, plan, caller, key, callback=query.callback)
     return wanted, fit, replayed
 
 
