@@ -86,7 +86,7 @@ class Bench:
 
     def anew(self) -> EmbeddedQueue:
         tasks = Tasks(fit, part, rest)
-        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=LeaseHolder("me", 1.0), deadline=1.0)
+        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=LeaseHolder("me", 1.0), deadline=5.0)
         return EmbeddedQueue(self.store, runner, seats=1, short_seats=1)
 
     def new_fit(self, name: str, orders: dict[str, Any], client: str = "", cost: float = LONG) -> Fit:
