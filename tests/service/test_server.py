@@ -121,7 +121,7 @@ def test_a_full_disk_is_503_and_accepts_nothing(start: Callable[..., Server]) ->
 
 
 def test_a_full_queue_is_503_and_says_when_to_come_again(start: Callable[..., Server]) -> None:
-    server = start(WORKERS=1, QUEUE_LIMIT=2)
+    server = start(WORKERS=1, QUEUE_LIMIT=2, CLIENT_SHARE=1)
     fits = [server.fit(LONG, HALF_A_MINUTE, "respond-async")]
     server.under_way(fits[0], degree=1)
     fits += [server.fit(LONG, HALF_A_MINUTE, "respond-async") for _ in range(2)]
