@@ -38,7 +38,7 @@ class FileCache:
         try:
             encoding, warning = await make(part)
             size = part.stat().st_size
-            os.replace(part, path)  # noqa: PTH105
+            os.replace(part, path)  # noqa: PTH105 - one name for both systems, and as quick as the calls around it
         finally:
             part.unlink(missing_ok=True)
         file = ExportedFile(path, encoding, warning)

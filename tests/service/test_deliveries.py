@@ -70,7 +70,7 @@ def deliver(callbacks: SqlCallbacks, until: Callable[[], bool], pauses: list[flo
         return 0.0
 
     async def script() -> None:
-        async with delivering(Deliveries(callbacks, sender(), "/root/v1/fits", pause)):
+        async with delivering(Deliveries(callbacks, sender(), "/ipfit/v1/fits", pause)):
             await reached(until)
 
     asyncio.run(script())
@@ -95,7 +95,7 @@ def test_a_message_is_sent_once_if_it_is_taken(bench: Bench) -> None:
     assert message.event == {
         "type": "fit.ended",
         "timestamp": found.finished.isoformat().replace("+00:00", "Z"),
-        "data": {"id": "one", "status": "dismissed", "path": "/root/v1/fits/one"},
+        "data": {"id": "one", "status": "dismissed", "path": "/ipfit/v1/fits/one"},
     }
     assert callback(store, "one") == Callback(f"{to.url}/hook?a=b", CallbackState.DELIVERED, 1)
 
