@@ -20,9 +20,7 @@ class TemporaryFolder:
     def __init__(self) -> None:
         """Make the folder, and remove those that dead processes of the same user left."""
         _sweep(Path(tempfile.gettempdir()))
-        self.path = Path(tempfile.mkdtemp(prefix=FOLDER_PREFIX))
-        self._lock = (self.path / _LOCK).open("w")
-        fcntl.flock(self._lock, fcntl.LOCK_EX)
+        self.path, self._lock = _locked_folder()
 
     def remove(self) -> None:
         """Remove the folder."""
@@ -38,6 +36,17 @@ def temporary_folder() -> Iterator[Path]:
         yield folder.path
     finally:
         folder.remove()
+
+
+def _locked_folder() -> tuple[Path, IO[str]]:
+    """Return a new folder and its lock, which is held."""
+    while True:
+        path = Path(tempfile.mkdtemp(prefix=FOLDER_PREFIX))
+        lock = (path / _LOCK).open("w")
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if (path / _LOCK).exists():
+            return path, lock
+        lock.close()  # another process that starts took the folder for one that was left, before it was locked
 
 
 def _sweep(where: Path) -> None:

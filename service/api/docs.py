@@ -13,7 +13,7 @@ from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse, RedirectResponse
 from fastapi.staticfiles import StaticFiles
 
-from service.api.preconditions import is_known, strong_etag
+from service.api.json_response import json_response
 from service.api.problems import root_path
 from service.api.whole_document import servers
 
@@ -32,10 +32,7 @@ router = APIRouter(include_in_schema=False)
 async def openapi(request: Request) -> Response:
     """Return the OpenAPI document, in which the server is this one as the caller reaches it."""
     body = orjson.dumps(request.app.openapi() | {"servers": servers(root_path(request))})
-    headers = {"ETag": strong_etag(body), "Cache-Control": "no-cache"}
-    if is_known(request, headers["ETag"]):
-        return Response(status_code=304, headers=headers)
-    return Response(body, headers=headers, media_type="application/json")
+    return json_response(request, body, {"Cache-Control": "no-cache"})
 
 
 @router.get("/docs")

@@ -6,6 +6,7 @@ from http import HTTPStatus
 from fastapi import Request, Response
 from fastapi.responses import FileResponse
 from starlette.datastructures import MutableHeaders
+from starlette.types import Receive, Scope, Send
 
 from service.api import preconditions, problems
 from service.jobs.exported_file import ExportedFile
@@ -15,13 +16,28 @@ _RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
 KEEP = {"Cache-Control": "private, max-age=3600", "Vary": "Accept, Accept-Encoding, Authorization"}
 
 
+class ReleasingFileResponse(FileResponse):
+    """A response with a file, which is released when it has been sent, or cannot be sent any more."""
+
+    def __init__(self, file: ExportedFile, headers: dict[str, str], media_type: str) -> None:
+        """Send a file with these headers."""
+        super().__init__(file.path, headers=headers, media_type=media_type, stat_result=file.path.stat())
+        self._release = file.release
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the file."""
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self._release()
+
+
 def known_response(request: Request, name: str) -> Response | None:
     """Return a 304 if the caller has the file of this name, in any encoding; else None."""
-    for encoding in (None, "gzip", "zstd"):
-        etag = _etag(name, encoding)
-        if preconditions.is_known(request, etag):
-            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers={"ETag": etag, **KEEP})
-    return None
+    etag = preconditions.strong_etag(name.encode())
+    if not preconditions.is_known(request, etag):
+        return None
+    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers={"ETag": etag, **KEEP})
 
 
 def file_response(
@@ -31,7 +47,8 @@ def file_response(
 
     Of several ranges none is taken, and the file is sent whole (RFC 9110, 14.2); so it is if Range cannot be read.
     """
-    size, etag = file.path.stat().st_size, _etag(name, file.encoding)
+    size = file.path.stat().st_size
+    etag = preconditions.encoded_etag(preconditions.strong_etag(name.encode()), file.encoding)
     asked, unless = request.headers.get("range"), request.headers.get("if-range")
     own = {"ETag": etag, **KEEP, **headers}
     if file.encoding is not None:
@@ -39,13 +56,10 @@ def file_response(
     if asked is not None and (request.method != "GET" or not _is_readable(asked) or unless not in {None, etag}):
         del MutableHeaders(scope=request.scope)["range"]
     elif asked is not None and not _is_inside(asked, size):
+        file.release()
         unsatisfiable = {"Content-Range": f"bytes */{size}"}
         return problems.response(request, "range-not-satisfiable", f"the file has {size} bytes", headers=unsatisfiable)
-    return FileResponse(file.path, headers=own, media_type=media_type, stat_result=file.path.stat())
-
-
-def _etag(name: str, encoding: str | None) -> str:
-    return preconditions.strong_etag(name.encode(), (encoding or "").encode())
+    return ReleasingFileResponse(file, own, media_type)
 
 
 def _is_readable(asked: str) -> bool:

@@ -21,7 +21,9 @@ class HeadAndOptions:
         """Answer one request."""
         method = scope["method"] if scope["type"] == "http" else ""
         if method == "HEAD":
-            await self._app({**scope, "method": "GET"}, receive, _without_body(send))
+            # Range is for GET only (RFC 9110, 14.2).
+            headers = [(name, value) for name, value in scope["headers"] if name != b"range"]
+            await self._app({**scope, "method": "GET", "headers": headers}, receive, _without_body(send))
         elif method == "OPTIONS" and (methods := _options(scope)):
             allow = {"Allow": ", ".join(sorted(methods))}
             await Response(status_code=HTTPStatus.NO_CONTENT, headers=allow)(scope, receive, send)

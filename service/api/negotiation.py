@@ -8,6 +8,7 @@ from http import HTTPStatus
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
+from service.compression import ENCODINGS
 from service.jobs.media_types import (
     JSON,
     POINT_SET_FORMATS,
@@ -17,8 +18,6 @@ from service.jobs.media_types import (
     zero_set_formats,
 )
 
-# Of files, the first that a caller likes best.
-ENCODINGS = ("zstd", "gzip")
 MOST_RANGES = 64  # of an Accept header that count: browsers send some ten
 
 

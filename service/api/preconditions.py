@@ -7,16 +7,27 @@ from http import HTTPStatus
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
+from service.compression import ENCODINGS
+
 _TAG = r'(?:W/)?"[\x21\x23-\x7e\x80-\xff]*"'
 _TAGS = re.compile(rf"\s*{_TAG}\s*(?:,\s*{_TAG}\s*)*")
 
 
 def strong_etag(*parts: bytes) -> str:
-    """Return the strong entity tag of a representation that is determined by these bytes."""
+    """Return the strong entity tag of a representation that is determined by these bytes, and not compressed."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(len(part).to_bytes(8, "little") + part)
     return f'"{digest.hexdigest()[:32]}"'
+
+
+def encoded_etag(etag: str, encoding: str | None) -> str:
+    """Return the tag of a representation in this encoding: its bytes are others, so its strong tag is.
+
+    >>> encoded_etag('"a"', "gzip"), encoded_etag('"a"', None)
+    ('"a-gzip"', '"a"')
+    """
+    return etag if encoding is None else f'{etag[:-1]}-{encoding}"'
 
 
 def check_match(request: Request, etag: str) -> None:
@@ -39,13 +50,16 @@ def is_known(request: Request, etag: str) -> bool:
 
 
 def _names(lines: list[str], etag: str, *, weak: bool) -> bool:
-    """Return whether a list of entity tags has this strong one, or is `*`. A malformed list has none.
+    """Return whether a list of entity tags has this strong one, in any encoding, or is `*`. A malformed list has none.
 
     >>> _names(['W/"a", "b"'], '"a"', weak=True), _names(['W/"a", "b"'], '"a"', weak=False)
+    (True, False)
+    >>> _names(['"a-gzip"'], '"a"', weak=False), _names(['"a-lzma"'], '"a"', weak=False)
     (True, False)
     """
     text = ",".join(lines)
     if text.strip() == "*":
         return True
     tags = re.findall(_TAG, text) if _TAGS.fullmatch(text) else []
-    return etag in ([tag.removeprefix("W/") for tag in tags] if weak else tags)
+    same = {encoded_etag(etag, encoding) for encoding in (None, *ENCODINGS)}
+    return not same.isdisjoint(tag.removeprefix("W/") if weak else tag for tag in tags)

@@ -9,6 +9,7 @@ from fastapi import Request, Response
 
 from service.api import preconditions, problems
 from service.api.file_response import file_response
+from service.api.json_response import json_response
 from service.jobs.callback import Callback
 from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Fit
@@ -29,14 +30,10 @@ def fit_response(
     headers: dict[str, str] | None = None,
 ) -> Response:
     """Return a response with a fit as JSON and a strong ETag; 304 if the caller has it already."""
-    body = _json(as_dict(fit, progress, problems.root_path(request)))
-    etag = preconditions.strong_etag(body)
-    sent = {"ETag": etag, "Content-Location": fit_path(request, fit.id), **ASK_AGAIN, **(headers or {})}
+    sent = {"Content-Location": fit_path(request, fit.id), **ASK_AGAIN, **(headers or {})}
     if not fit.status.final:
         sent["Retry-After"] = "1"
-    if request.method == "GET" and preconditions.is_known(request, etag):
-        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
-    return Response(body, status, sent, "application/json")
+    return json_response(request, _json(as_dict(fit, progress, problems.root_path(request))), sent, status)
 
 
 def check_match(request: Request, fit: Fit, progress: list[dict[str, Any]]) -> None:
@@ -50,11 +47,7 @@ def list_response(request: Request, fits: Sequence[Fit], following: str | None) 
     """Return a response with a page of fits, without their results, and the address of the `following` page."""
     root = problems.root_path(request)
     body = _json({"fits": [summary(fit, root) for fit in fits], "next": following})
-    etag = preconditions.strong_etag(body)
-    headers = {"ETag": etag, **ASK_AGAIN} | ({"Link": f'<{following}>; rel="next"'} if following else {})
-    if preconditions.is_known(request, etag):
-        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
-    return Response(body, headers=headers, media_type="application/json")
+    return json_response(request, body, ASK_AGAIN | ({"Link": f'<{following}>; rel="next"'} if following else {}))
 
 
 def _json(members: dict[str, Any]) -> bytes:

@@ -3,7 +3,11 @@
 import asyncio
 import socket
 from contextlib import suppress
-from threading import Thread
+from threading import Semaphore, Thread
+
+# Look-ups at once, of which each has a thread; a name whose servers are silent keeps one for up to a minute.
+MOST_LOOK_UPS = 32
+_free = Semaphore(MOST_LOOK_UPS)
 
 
 async def resolved(host: str, port: int) -> list[str]:
@@ -15,9 +19,11 @@ async def resolved(host: str, port: int) -> list[str]:
     Raises
     ------
     OSError
-        If there is no such host, or nobody answers for it.
+        If there is no such host, nobody answers for it, or too many other look-ups are under way.
 
     """
+    if not _free.acquire(blocking=False):
+        raise OSError("too many look-ups of hosts are under way")
     loop = asyncio.get_running_loop()
     answer: asyncio.Future[list[str]] = loop.create_future()
 
@@ -38,6 +44,8 @@ async def resolved(host: str, port: int) -> list[str]:
             found = error
         except UnicodeError as error:  # of a name that has no form in the DNS
             found = OSError(str(error))
+        finally:
+            _free.release()
         with suppress(RuntimeError):  # the loop has been closed
             loop.call_soon_threadsafe(settle, found)
 

@@ -11,7 +11,7 @@ import numpy as np
 import orjson
 
 import ipcore
-from service.formats.compression import compressed
+from service.compression import compressed
 from service.formats.file_cache import Details, FileCache
 from service.formats.points import decode, write
 from service.formats.zero_set.size import check_size

@@ -23,8 +23,10 @@ class CallbackRules(Protocol):
 class CallbackStore(Protocol):
     """The callbacks of fits. They are stored, and become due, in the transactions that add and end the fits."""
 
-    def take_due(self, full: Collection[str], lease: float) -> Delivery | None:
-        """Take the callback that has been due for longest, to none of the hosts in `full`; None if there is none.
+    def take_due(self, hosts: Collection[str], clients: Collection[str], lease: float) -> Delivery | None:
+        """Take the callback that has been due for longest, to none of these hosts and of none of these clients.
+
+        Return None if there is none.
 
         It counts as tried. No other process takes it for `lease` seconds; then it is due again, unless the outcome was
         recorded.

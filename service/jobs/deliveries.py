@@ -21,8 +21,9 @@ STORE_PAUSE = 5.0
 # Seconds after which a callback is tried again if the process that took it is not heard of. Twice as long as a try may
 # take, so that nobody else takes one that is being sent.
 LEASE_SECONDS = 20.0
-# Callbacks that are sent at once: in all, and to one host, so that a slow receiver leaves room for others.
-MOST_AT_ONCE, MOST_PER_HOST = 16, 2
+# Callbacks that are sent at once: in all, to one host, so that a slow receiver leaves room for others, and of one
+# client, who may have many receivers.
+MOST_AT_ONCE, MOST_PER_HOST, MOST_PER_CLIENT = 16, 2, 4
 
 
 @dataclass
@@ -45,7 +46,8 @@ class Deliveries:
     sender: CallbackSender
     path: str
     pause: Callable[[int, float], float] = random_pause
-    _busy: Counter[str] = field(default_factory=Counter, init=False)  # tries that are under way, by host
+    _hosts: Counter[str] = field(default_factory=Counter, init=False)  # tries that are under way, by host
+    _clients: Counter[str] = field(default_factory=Counter, init=False)  # … and by client
     _freed: asyncio.Event = field(default_factory=asyncio.Event, init=False)
 
     async def keep_delivering(self) -> None:
@@ -60,14 +62,16 @@ class Deliveries:
 
     async def _begin_due(self, tries: asyncio.TaskGroup) -> None:
         """Begin to send what is due, as far as there is room."""
-        while self._busy.total() < MOST_AT_ONCE and (delivery := await self._take()) is not None:
-            self._busy[delivery.host] += 1
+        while self._hosts.total() < MOST_AT_ONCE and (delivery := await self._take()) is not None:
+            self._hosts[delivery.host] += 1
+            self._clients[delivery.client] += 1
             tries.create_task(self._deliver(delivery), name=f"callback of fit {delivery.fit_id}")
 
     async def _take(self) -> Delivery | None:
-        full = [host for host, count in self._busy.items() if count >= MOST_PER_HOST]
+        hosts = [host for host, count in self._hosts.items() if count >= MOST_PER_HOST]
+        clients = [client for client, count in self._clients.items() if count >= MOST_PER_CLIENT]
         try:
-            return await asyncio.to_thread(self.store.take_due, full, LEASE_SECONDS)
+            return await asyncio.to_thread(self.store.take_due, hosts, clients, LEASE_SECONDS)
         except Exception as error:  # noqa: BLE001 - whatever a database raises
             logger.warning("callbacks cannot be looked up; the next try is in %g s: %s", STORE_PAUSE, error)
             await asyncio.sleep(STORE_PAUSE)
@@ -81,8 +85,8 @@ class Deliveries:
         except Exception:  # it is due again when its lease has run out
             logger.exception("the callback of fit %s was tried, but what came of it is not stored", delivery.fit_id)
         finally:
-            self._busy[delivery.host] -= 1
-            self._busy += Counter()  # forgets hosts without tries
+            self._hosts -= Counter([delivery.host])  # forgets those that come to 0
+            self._clients -= Counter([delivery.client])
             self._freed.set()
 
     async def _outcome(self, delivery: Delivery) -> Outcome:

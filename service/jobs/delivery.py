@@ -23,6 +23,8 @@ class Delivery:
     ----------
     fit_id, url, host
         The fit, and where to.
+    client
+        Who sent the fit.
     status, ended
         How and when the fit ended.
     tries
@@ -35,6 +37,7 @@ class Delivery:
     fit_id: str
     url: str
     host: str
+    client: str
     status: FitStatus
     ended: datetime
     tries: int

@@ -1,5 +1,6 @@
 """A file that was made of a fit: its zero set, or its points."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,9 @@ class ExportedFile:
     Attributes
     ----------
     path
-        Where it is, until other files need its place.
+        Where it is, until it is released.
+    release
+        Called, once, by who has read it, or does not want to.
     encoding
         How it is compressed, as in Content-Encoding; None if it is not.
     warning
@@ -20,5 +23,6 @@ class ExportedFile:
     """
 
     path: Path
+    release: Callable[[], None]
     encoding: str | None = None
     warning: str | None = None

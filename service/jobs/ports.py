@@ -11,9 +11,9 @@ from service.jobs.caller import Caller, Quota
 from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef, ReceivedPoints
 from service.jobs.lease_holder import LeaseHolder
-from service.jobs.media_types import Missing
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.page import Page
+from service.jobs.read_request import ReadRequest
 
 T = TypeVar("T")
 NO_QUOTA = Quota()
@@ -178,19 +178,8 @@ class FitQueue(Protocol):
 class Reader(Protocol):
     """Reads point sets from the bodies of requests."""
 
-    async def read(
-        self,
-        body: bytes | Path,
-        kind: str,
-        *,
-        columns: str | None = None,
-        missing: Missing = "refuse",
-        client: str = "",
-    ) -> ReceivedPoints:
-        """Read a body, or the file that holds it, in the format `kind`, and check it.
-
-        `columns` says what each column of a table holds; `missing`, whether a point with a missing value is refused or
-        left out; `client`, in whose turn it is read.
+    async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
+        """Read a body, or the file that holds it, and check it.
 
         Raises
         ------

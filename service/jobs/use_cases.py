@@ -19,11 +19,11 @@ from service.jobs.errors import (
     ShuttingDownError,
 )
 from service.jobs.fit import Fit, ReceivedPoints
-from service.jobs.media_types import Missing
 from service.jobs.new_fit import new_fit
 from service.jobs.page import Page
 from service.jobs.parts import split
 from service.jobs.ports import BlobStore, FitQueue, FitStore, Planner, Reader
+from service.jobs.read_request import ReadRequest
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.store_calls import call_store
 
@@ -68,17 +68,9 @@ class FitService:
                 raise
         return admission.allowances(usage, caller.quota)
 
-    async def read(
-        self,
-        body: bytes | Path,
-        kind: str,
-        *,
-        columns: str | None = None,
-        missing: Missing = "refuse",
-        client: str = "",
-    ) -> ReceivedPoints:
-        """Read and check the body of a request, in the format `kind`; nothing is accepted yet."""
-        return await self._reader.read(body, kind, columns=columns, missing=missing, client=client)
+    async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
+        """Read and check the body of a request; nothing is accepted yet."""
+        return await self._reader.read(body, asked)
 
     def plan(self, points: ReceivedPoints, requested: RequestedOptions) -> ipcore.Plan:
         """Return what a fit will take; nothing is accepted yet.

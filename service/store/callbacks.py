@@ -18,15 +18,18 @@ class SqlCallbacks:
         """Use an engine whose tables exist."""
         self._engine = engine
 
-    def take_due(self, full: Collection[str], lease: float) -> Delivery | None:
-        """Take the callback that has been due for longest, to none of the hosts in `full`; None if there is none.
+    def take_due(self, hosts: Collection[str], clients: Collection[str], lease: float) -> Delivery | None:
+        """Take the callback that has been due for longest, to none of these hosts and of none of these clients.
+
+        Return None if there is none.
 
         Of processes that look at the same time, each takes another one: PostgreSQL skips the rows that others have
         locked, and on SQLite the second does not find the number of tries that it has seen.
         """
         with self._engine.begin() as connection:
             now = clock(connection)
-            due = select(callbacks).where(callbacks.c.due <= now, callbacks.c.host.not_in(list(full)))
+            free = (callbacks.c.host.not_in(list(hosts)), callbacks.c.client.not_in(list(clients)))
+            due = select(callbacks).where(callbacks.c.due <= now, *free)
             oldest = due.order_by(callbacks.c.due, callbacks.c.fit).limit(1).with_for_update(skip_locked=True)
             row = connection.execute(oldest).one_or_none()
             if row is None:
@@ -35,7 +38,7 @@ class SqlCallbacks:
             taken = {"tries": row.tries + 1, "due": now + timedelta(seconds=lease)}
             if not connection.execute(update(callbacks).where(mine).values(taken)).rowcount:
                 return None
-        return Delivery(row.fit, row.url, row.host, row.status, row.ended, row.tries + 1, row.last_error)
+        return Delivery(row.fit, row.url, row.host, row.client, row.status, row.ended, row.tries + 1, row.last_error)
 
     def record(self, delivery: Delivery, outcome: Outcome) -> bool:
         """Store what came of a try, unless it was taken again meanwhile; return whether it was stored.

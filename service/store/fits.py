@@ -15,7 +15,7 @@ from service.jobs.fit import Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.page import Page
 from service.jobs.ports import NO_QUOTA
-from service.store import mapping, outbox, queries, transitions
+from service.store import acceptances, mapping, outbox, queries, transitions
 from service.store.input_locks import InputLocks
 from service.store.schema import fits
 from service.store.transitions import NOT_HELD, JobQueue
@@ -38,9 +38,8 @@ class SqlFits:
         except IntegrityError:
             if fit.key is None:
                 raise
-            return self._add(
-                fit, store_input, parts, quota
-            )  # finds the other fit with this key, which is committed by now
+            # finds the other fit with this key, which is committed by now
+            return self._add(fit, store_input, parts, quota)
 
     def _add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit], quota: Quota) -> Fit:
         with self._inputs.locked(fit.input.key) as connection:
@@ -50,8 +49,9 @@ class SqlFits:
             self.admission.check(queries.usage(connection, fit.client, fit.owner), quota)
             store_input()
             connection.execute(fits.insert(), [mapping.from_fit(one) for one in (fit, *parts)])
-            if fit.callback is not None:
-                outbox.add(connection, fit.id, fit.callback)
+            if fit.owner:
+                acceptances.add(connection, fit.id, fit.owner, transitions.clock(connection))
+            outbox.add(connection, fit)
             if self._queue is not None:
                 for one in parts or [fit]:
                     transitions.enqueue(connection, self._queue, one)

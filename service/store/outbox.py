@@ -5,14 +5,16 @@ from datetime import datetime
 from sqlalchemy import Connection, select, update
 
 from service.jobs.callback import Callback, CallbackState
-from service.jobs.fit import FitStatus
+from service.jobs.fit import Fit, FitStatus
 from service.store.schema import callbacks
 
 
-def add(connection: Connection, fit_id: str, callback: Callback) -> None:
-    """Store the callback of a new fit."""
-    row = {"fit": fit_id, "url": callback.url, "host": callback.host, "state": callback.state.value, "tries": 0}
-    connection.execute(callbacks.insert().values(row))
+def add(connection: Connection, fit: Fit) -> None:
+    """Store the callback of a new fit, if it has one."""
+    if fit.callback is None:
+        return
+    told = {"url": fit.callback.url, "host": fit.callback.host, "state": fit.callback.state.value, "tries": 0}
+    connection.execute(callbacks.insert().values(fit=fit.id, client=fit.client, **told))
 
 
 def of_fit(connection: Connection, fit_id: str) -> Callback | None:

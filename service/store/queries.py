@@ -8,15 +8,14 @@ from typing import Any
 import orjson
 from sqlalchemy import ColumnElement, Connection, Row, case, func, null, select
 
-from service.jobs.admission import HOUR, Usage
+from service.jobs.admission import Usage
 from service.jobs.fit import Fit, FitStatus
 from service.jobs.page import Page
-from service.store import mapping, outbox
+from service.store import acceptances, mapping, outbox
 from service.store.schema import fits
 from service.store.transitions import clock
 
 _WHOLE = func.coalesce(fits.c.whole, fits.c.id)  # of a part its fit, of a fit itself
-_COUNT_AND_FIRST = select(func.count(), func.min(fits.c.created))
 ENDED = [status for status in FitStatus if status.final]
 
 
@@ -37,12 +36,9 @@ def usage(connection: Connection, client: str, owner: str) -> Usage:
     own_whole, own_cost = case((mine, _WHOLE)), case((mine, fits.c.cost), else_=0.0)
     sums = [func.sum(fits.c.cost), func.sum(fits.c.size), func.count(own_whole.distinct()), func.sum(own_cost)]
     waiting = connection.execute(select(func.count(_WHOLE.distinct()), *sums).where(*mapping.queued())).one()
-    now = clock(connection)
-    recent = (fits.c.owner == owner, fits.c.whole.is_(None), fits.c.created > now - timedelta(seconds=HOUR))
-    count, first = (0, None) if not owner else connection.execute(_COUNT_AND_FIRST.where(*recent)).one()
+    recent, age = acceptances.recent(connection, owner, clock(connection)) if owner else (0, 0.0)
     count_all, seconds, size, own, own_seconds = (value or 0 for value in waiting)
-    age = 0.0 if first is None else (now - first).total_seconds()
-    return Usage(int(count_all), float(seconds), int(size), int(own), float(own_seconds), int(count), age)
+    return Usage(int(count_all), float(seconds), int(size), int(own), float(own_seconds), recent, age)
 
 
 def has_key(connection: Connection, key: str) -> bool:

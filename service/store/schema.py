@@ -8,6 +8,7 @@ from threading import Event, Lock
 from sqlalchemy import (
     BigInteger,
     Column,
+    Connection,
     DateTime,
     Dialect,
     Engine,
@@ -20,7 +21,7 @@ from sqlalchemy import (
     create_engine,
     event,
 )
-from sqlalchemy.pool import NullPool
+from sqlalchemy.pool import ConnectionPoolEntry, NullPool
 from sqlalchemy.types import TypeDecorator
 
 from service.jobs.fit import FitStatus
@@ -116,12 +117,21 @@ callbacks = Table(
     Column("fit", String, primary_key=True),
     Column("url", String, nullable=False),
     Column("host", String, nullable=False),
+    Column("client", String, nullable=False),  # of the fit: clients share the sending of callbacks
     Column("state", String, nullable=False),
     Column("tries", Integer, nullable=False),
     Column("due", Moment, index=True),  # NULL before the end of the fit, and when nothing is to be sent any more
     Column("status", Status),  # how and when the fit ended
     Column("ended", Moment),
     Column("last_error", String),
+)
+# Apart from the fits, too: a fit that was removed still counts for the quota of its owner.
+acceptances = Table(
+    "acceptances",
+    metadata,
+    Column("fit", String, primary_key=True),
+    Column("owner", String, nullable=False, index=True),
+    Column("accepted", Moment, nullable=False),
 )
 # Whoever changes the tables above adds a migration here that changes older ones in the same way, named after the
 # release. Each is one statement: SQLite takes no more at once.
@@ -140,9 +150,12 @@ FITS = MigrationStep(
         "0.2.0 owner": "ALTER TABLE fits ADD COLUMN owner VARCHAR NOT NULL DEFAULT ''",
         "0.2.0 owner, found": "CREATE INDEX ix_fits_owner ON fits (owner)",
         "0.2.0 callbacks": "CREATE TABLE callbacks (fit VARCHAR NOT NULL PRIMARY KEY, url VARCHAR NOT NULL,"
-        " host VARCHAR NOT NULL, state VARCHAR NOT NULL, tries INTEGER NOT NULL, due TIMESTAMP WITH TIME ZONE,"
-        " status VARCHAR, ended TIMESTAMP WITH TIME ZONE, last_error VARCHAR)",
+        " host VARCHAR NOT NULL, client VARCHAR NOT NULL, state VARCHAR NOT NULL, tries INTEGER NOT NULL,"
+        " due TIMESTAMP WITH TIME ZONE, status VARCHAR, ended TIMESTAMP WITH TIME ZONE, last_error VARCHAR)",
         "0.2.0 callbacks, found": "CREATE INDEX ix_callbacks_due ON callbacks (due)",
+        "0.2.0 acceptances": "CREATE TABLE acceptances (fit VARCHAR NOT NULL PRIMARY KEY, owner VARCHAR NOT NULL,"
+        " accepted TIMESTAMP WITH TIME ZONE NOT NULL)",
+        "0.2.0 acceptances, found": "CREATE INDEX ix_acceptances_owner ON acceptances (owner)",
     },
     columns=frozenset(fits.columns.keys()),
 )
@@ -160,7 +173,29 @@ def sqlite_engine(path: Path) -> Engine:
         cursor.close()
 
     prepare(engine, [FITS])
+    _write_in_turn(engine)
     return engine
+
+
+def _write_in_turn(engine: Engine) -> None:
+    """Let transactions of this process that write wait for each other here.
+
+    SQLite itself lets one write at a time, and has the others look again after pauses of up to a tenth of a second.
+    """
+    writer = Lock()
+
+    @event.listens_for(engine, "before_cursor_execute")
+    def _begin_to_write(
+        connection: Connection, _cursor: object, statement: str, _given: object, _context: object, _many: object
+    ) -> None:
+        if not connection.info.get("writes") and statement.startswith(("INSERT", "UPDATE", "DELETE")):
+            writer.acquire()
+            connection.info["writes"] = True
+
+    @event.listens_for(engine, "checkin")
+    def _end(_connection: object, record: ConnectionPoolEntry) -> None:
+        if record.info.pop("writes", False):
+            writer.release()
 
 
 def postgres_engine(url: str, *queue: MigrationStep) -> Engine:

@@ -46,7 +46,7 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
     if request.param == "postgresql":
         engine: Engine = request.getfixturevalue("database")
         with engine.begin() as connection:
-            connection.execute(text("TRUNCATE fits, callbacks, procrastinate_jobs CASCADE"))
+            connection.execute(text("TRUNCATE fits, callbacks, acceptances, procrastinate_jobs CASCADE"))
         yield SqlFits(engine, Admission(LIMIT), ProcrastinateJobs())
         return
     engine = sqlite_engine(tmp_path / "fits.sqlite")

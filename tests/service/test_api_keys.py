@@ -86,6 +86,7 @@ def test_quotas_are_told_and_kept(start: Start, keys: tuple[Path, str, str]) -> 
     assert int(answers[3].headers["Retry-After"]) >= 1
     for answer in answers[:3]:
         client.delete(answer.headers["Location"], headers=bearer(bob))
+    assert client.delete(f"{answers[0].headers['Location']}?purge=true", headers=bearer(bob)).status_code == 204
     spent = client.post(QUICK, content=POINTS, headers=bearer(bob))
     assert "3 fits of yours were accepted within an hour" in problem(spent, 429, "quota-exceeded")["detail"]
     assert int(spent.headers["Retry-After"]) > 3000

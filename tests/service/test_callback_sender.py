@@ -2,9 +2,11 @@
 
 import asyncio
 import socket
+import threading
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -221,8 +223,15 @@ def test_a_receiver_that_does_not_answer_is_left(monkeypatch: pytest.MonkeyPatch
 
 def test_a_name_server_that_does_not_answer_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing waits for it then: neither the try, nor the end of the process."""
+    silence = threading.Event()
+
+    def unanswered(*_: object, **__: object) -> list[Any]:
+        silence.wait(30.0)
+        return []
+
     monkeypatch.setattr(module, "TRY_SECONDS", 0.3)
-    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: time.sleep(30.0))
+    monkeypatch.setattr(socket, "getaddrinfo", unanswered)
     began = time.monotonic()
     assert failure(sender(), "http://hooks.example/") == "the receiver did not answer in time"
     assert time.monotonic() - began < 15.0
+    silence.set()

@@ -40,15 +40,15 @@ def rows(store: SqlFits) -> list[str]:
         return list(connection.execute(text("SELECT fit FROM callbacks ORDER BY fit")).scalars())
 
 
-def ended(store: SqlFits, name: str = "one", url: str = HOOK.url) -> None:
+def ended(store: SqlFits, name: str = "one", url: str = HOOK.url, client: str = "") -> None:
     """Add a fit with a callback, and end it."""
-    store.add(fit(name, callback=Callback(url)), list)
+    store.add(fit(name, callback=Callback(url), client=client), list)
     store.start(name, ME)
     assert store.finish(name, 1, FitStatus.SUCCESSFUL, b"{}", None)
 
 
 def taken(callbacks: SqlCallbacks, lease: float = 60.0) -> Delivery:
-    found = callbacks.take_due((), lease)
+    found = callbacks.take_due((), (), lease)
     assert found is not None
     return found
 
@@ -82,20 +82,20 @@ def test_a_callback_is_due_when_its_fit_has_ended_however(
     store: SqlFits, callbacks: SqlCallbacks, end: Callable[[SqlFits], object], status: str
 ) -> None:
     store.add(fit(callback=HOOK), list)
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
     assert shown(store) == HOOK
     end(store)
     found, now = taken(callbacks), store.get("one")
     assert now is not None
     assert now.finished is not None
-    assert found == Delivery("one", HOOK.url, "hooks.example", FitStatus(status), now.finished, 1)
+    assert found == Delivery("one", HOOK.url, "hooks.example", "", FitStatus(status), now.finished, 1)
     assert shown(store) == replace(HOOK, tries=1)
 
 
 def test_a_fit_without_one_makes_nothing_due(store: SqlFits, callbacks: SqlCallbacks) -> None:
     store.add(fit(), list)
     store.dismiss("one")
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
     assert rows(store) == []
 
 
@@ -104,11 +104,11 @@ def test_a_fit_in_parts_has_one_callback(store: SqlFits, callbacks: SqlCallbacks
     store.add(whole, list, parts)
     assert rows(store) == ["one"]
     for one in (*parts, whole):
-        assert callbacks.take_due((), 60.0) is None
+        assert callbacks.take_due((), (), 60.0) is None
         assert store.start(one.id, ME) == 1
         assert store.finish(one.id, 1, FitStatus.SUCCESSFUL, b"{}", None)
     assert taken(callbacks).status is FitStatus.SUCCESSFUL
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
 
 
 def test_a_fit_that_fails_with_a_part_has_one_too(store: SqlFits, callbacks: SqlCallbacks) -> None:
@@ -116,7 +116,7 @@ def test_a_fit_that_fails_with_a_part_has_one_too(store: SqlFits, callbacks: Sql
     store.add(whole, list, parts)
     store.start(parts[1].id, ME)
     assert store.finish(parts[1].id, 1, FitStatus.FAILED, None, Failure("a", "b"))
-    assert (taken(callbacks).status, callbacks.take_due((), 60.0)) == (FitStatus.FAILED, None)
+    assert (taken(callbacks).status, callbacks.take_due((), (), 60.0)) == (FitStatus.FAILED, None)
 
 
 def test_of_many_who_look_each_takes_another_one(store: SqlFits, callbacks: SqlCallbacks) -> None:
@@ -127,7 +127,7 @@ def test_of_many_who_look_each_takes_another_one(store: SqlFits, callbacks: SqlC
     def take(_: int) -> list[str]:
         mine = []
         for _try in range(20):
-            found = callbacks.take_due((), 60.0)
+            found = callbacks.take_due((), (), 60.0)
             mine += [found.fit_id] if found is not None else []
         return mine
 
@@ -149,7 +149,7 @@ def test_nobody_waits_for_a_process_that_is_taking_one(store: SqlFits, callbacks
 def test_what_a_dead_process_took_is_due_again_after_its_lease(store: SqlFits, callbacks: SqlCallbacks) -> None:
     ended(store)
     first = taken(callbacks, 0.2)
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
     time.sleep(0.25)
     second = taken(callbacks)
     assert (first.tries, second.tries) == (1, 2)
@@ -163,7 +163,7 @@ def test_what_a_dead_process_took_is_due_again_after_its_lease(store: SqlFits, c
 def test_a_failed_try_is_followed_by_another_after_its_pause(store: SqlFits, callbacks: SqlCallbacks) -> None:
     ended(store)
     assert callbacks.record(taken(callbacks), again(60.0))
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
     assert shown(store) == replace(HOOK, tries=1, last_error="away")
     ended(store, "two")
     assert callbacks.record(taken(callbacks), again(0.0))
@@ -174,7 +174,7 @@ def taken_as(name: str, store: SqlFits) -> Delivery:
     found = store.get(name)
     assert found is not None
     assert found.finished is not None
-    return Delivery(name, HOOK.url, "hooks.example", found.status, found.finished, 1)
+    return Delivery(name, HOOK.url, "hooks.example", "", found.status, found.finished, 1)
 
 
 @pytest.mark.parametrize("outcome", [DELIVERED, FAILED])
@@ -183,7 +183,7 @@ def test_what_has_ended_is_not_sent_again(store: SqlFits, callbacks: SqlCallback
     delivery = taken(callbacks, 0.0)
     assert callbacks.record(delivery, outcome)
     assert not callbacks.record(delivery, again(0.0))
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
     assert shown(store) == replace(HOOK, state=outcome.state, tries=1, last_error=outcome.error)
 
 
@@ -193,18 +193,29 @@ def test_the_one_that_has_waited_longest_is_next_but_not_to_a_host_that_is_full(
     for name, url in (("a", HOOK.url), ("b", HOOK.url), ("c", "https://other.example/")):
         ended(store, name, url)
     assert taken(callbacks).fit_id == "a"
-    found = callbacks.take_due(["hooks.example", "third.example"], 60.0)
+    found = callbacks.take_due(["hooks.example", "third.example"], (), 60.0)
     assert found is not None
     assert found.fit_id == "c"
-    assert callbacks.take_due(["hooks.example"], 60.0) is None
+    assert callbacks.take_due(["hooks.example"], (), 60.0) is None
     assert taken(callbacks).fit_id == "b"
+
+
+def test_a_client_who_has_enough_of_them_under_way_waits(store: SqlFits, callbacks: SqlCallbacks) -> None:
+    for name, client in (("a", "ada"), ("b", "ada"), ("c", "bob")):
+        ended(store, name, f"https://{name}.example/", client)
+    first = taken(callbacks)
+    assert (first.fit_id, first.client) == ("a", "ada")
+    found = callbacks.take_due((), ["ada"], 60.0)
+    assert found is not None
+    assert (found.fit_id, found.client) == ("c", "bob")
+    assert callbacks.take_due((), ["ada", "bob"], 60.0) is None
 
 
 def test_who_removes_a_fit_is_not_told_of_it_any_more(store: SqlFits, callbacks: SqlCallbacks) -> None:
     ended(store)
     assert store.remove("one", list)
     assert rows(store) == []
-    assert callbacks.take_due((), 60.0) is None
+    assert callbacks.take_due((), (), 60.0) is None
 
 
 @pytest.mark.parametrize("outcome", [DELIVERED, FAILED])

@@ -128,7 +128,7 @@ def test_a_last_try_that_a_crash_cut_off_is_the_last(bench: Bench) -> None:
     with receiver() as to:
         ended(store, "one", to.url)
         for _ in range(MAX_TRIES):
-            assert callbacks.take_due((), 0.0) is not None
+            assert callbacks.take_due((), (), 0.0) is not None
         deliver(callbacks, over(store, "one"))
         assert to.messages == []
     assert callback(store, "one").last_error == "the last try was interrupted"

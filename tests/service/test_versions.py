@@ -100,14 +100,15 @@ def shape(engine: Engine, name: str) -> list[tuple[str, str, bool, bool]]:
     ]
 
 
-def test_a_migrated_table_of_callbacks_is_like_a_new_one(engine: Engine) -> None:
+@pytest.mark.parametrize("name", ["callbacks", "acceptances"])
+def test_a_table_that_a_migration_makes_is_like_a_new_one(engine: Engine, name: str) -> None:
     prepare(engine, [FITS])
-    made = shape(engine, "callbacks")
+    made = shape(engine, name)
     with engine.begin() as connection:
-        connection.execute(text("DROP TABLE callbacks"))
-        for step in ("0.2.0 callbacks", "0.2.0 callbacks, found"):
+        connection.execute(text(f"DROP TABLE {name}"))
+        for step in (f"0.2.0 {name}", f"0.2.0 {name}, found"):
             connection.execute(text(FITS.steps[step]))
-    assert shape(engine, "callbacks") == made
+    assert shape(engine, name) == made
 
 
 def test_a_step_that_fails_leaves_the_database_as_it_was(engine: Engine) -> None:

@@ -31,9 +31,10 @@ from service.api.rate_limit import rate_limit_fields
 from service.api.representation import check_match, fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
 from service.jobs.caller import Caller
-from service.jobs.fit import Fit, ReceivedPoints
+from service.jobs.fit import Fit, FitStatus, ReceivedPoints
 from service.jobs.media_types import ZeroSetFormat
 from service.jobs.mesh_request import MeshRequest
+from service.jobs.read_request import ReadRequest
 from service.options import requested
 
 router = APIRouter(prefix="/v1/fits", tags=["fits"])
@@ -104,10 +105,11 @@ async def _accepted(
     """
     fits, limits = context.fits, context.limits
     kind, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
+    asked = ReadRequest(kind, query.columns, query.missing, caller.client)
 
     async def points_read() -> ReceivedPoints:
         with phase(request, "read"):
-            return await fits.read(content, kind, columns=query.columns, missing=query.missing, client=caller.client)
+            return await fits.read(content, asked)
 
     large = await points_read() if isinstance(content, Path) else None  # which has a queue of its own
     async with context.turns.taken(caller.client):
@@ -157,7 +159,9 @@ async def dismiss(
     fits = context.fits
     fit = await fits.get(caller, fit_id)
     check_match(request, fit, await fits.progress(fit))
-    fit = await fits.dismiss(caller, fit_id)
+    was_live, fit = not fit.status.final, await fits.dismiss(caller, fit_id)
+    if was_live and fit.status is not FitStatus.DISMISSED:  # it ended by itself in this moment, and is another now
+        check_match(request, fit, [])
     if purge:
         await fits.purge(caller, fit_id)
         return Response(status_code=HTTPStatus.NO_CONTENT)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from service.formats.points import decode
 from service.jobs.fit import ReceivedPoints
-from service.jobs.media_types import Missing
 from service.jobs.ports import Seats, Workers
+from service.jobs.read_request import ReadRequest
 
 
 @dataclass(frozen=True)
@@ -31,19 +31,11 @@ class PointSetReader:
     max_points: int
     deadline: float
 
-    async def read(
-        self,
-        body: bytes | Path,
-        kind: str,
-        *,
-        columns: str | None = None,
-        missing: Missing = "refuse",
-        client: str = "",
-    ) -> ReceivedPoints:
-        """Read and check a body of this kind; see `decode.read`."""
-        read = partial(decode.read, body, kind, self.max_points, columns=columns, missing=missing)
+    async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
+        """Read and check a body; see `decode.read`."""
+        read = partial(decode.read, body, asked.kind, self.max_points, columns=asked.columns, missing=asked.missing)
         if isinstance(body, bytes):
             return await asyncio.to_thread(read)
-        async with self.seats.taken(client):
+        async with self.seats.taken(asked.client):
             points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
         return points

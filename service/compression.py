@@ -1,11 +1,13 @@
-"""Compressing files for those who can read them compressed."""
+"""Compressing answers for those who can read them compressed."""
 
 import gzip
 
 import zstandard
 
-# Fast levels: files are made while their caller waits.
+# Fast levels: an answer is made while its caller waits.
 GZIP_LEVEL, ZSTD_LEVEL = 4, 3
+# The encodings of HTTP, the first that a caller likes best.
+ENCODINGS = ("zstd", "gzip")
 # Bytes below which compression saves nothing worth its time.
 WORTH_IT = 4096
 
