@@ -36,6 +36,7 @@ class GuardedProtocol(RefusingProtocol):
         self._unknown_method: bytes | None = None
         self._in_head = self._began = False
         self._head_bytes = self._idle_bytes = 0  # of the head so far; and those after it that brought no body
+        self._body: list[bytes] = []  # parts of what is being parsed
         self._pace = Pace(limits)
         self._look: asyncio.TimerHandle | None = None
 
@@ -60,6 +61,7 @@ class GuardedProtocol(RefusingProtocol):
         if not self._in_head and not self._in_body:
             self._unknown_method = unknown_method(data)
         super().parse(data)
+        self._pass_body_on()
         if self._is_refused():
             return
         if self._in_head and not self._began:
@@ -112,16 +114,24 @@ class GuardedProtocol(RefusingProtocol):
         super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
-        """Take a part of the body."""
+        """Take a part of the body: there may be a thousand in a piece, and uvicorn copies all of them with each."""
         self._pace.received += len(body)
-        super().on_body(body)
+        self._body.append(body)
 
     def on_message_complete(self) -> None:
         """End a request."""
+        self._pass_body_on()
         self._in_body = False
         self._unknown_method = None
         self._pace.rest()
         super().on_message_complete()
+
+    def _pass_body_on(self) -> None:
+        """Give the application what has arrived of the body."""
+        if self._body:
+            body = b"".join(self._body)
+            self._body.clear()
+            super().on_body(body)
 
     def resume_writing(self) -> None:
         """Note that the peer has taken most of what waited for it."""

@@ -5,6 +5,7 @@ mark is the first line in which nothing is a number; or `0,1,2`, the numbers tha
 """
 
 import re
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import count, pairwise
@@ -15,6 +16,8 @@ from service.jobs.errors import MalformedInputError
 
 # Digits of a count or an index: Python refuses to make an integer of some thousands.
 MOST_DIGITS = 18
+# Comments before the first row among which names of columns are sought: the last ones, if there are more.
+MOST_COMMENTS = 1000
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,7 @@ def find(lines: Iterable[str]) -> Layout:
         If header and rows do not fit.
 
     """
-    comments: list[tuple[int, str]] = []
+    comments: deque[tuple[int, str]] = deque(maxlen=MOST_COMMENTS)
     header: tuple[int, str] | None = None
     rows: list[tuple[int, str]] = []
     counted: tuple[int, str] | None = None
@@ -95,8 +98,8 @@ def find(lines: Iterable[str]) -> Layout:
     return layout if counted is None else replace(layout, count=int(counted[1]), count_line=counted[0])
 
 
-def _filled(lines: Iterable[str], comments: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
-    """Yield the lines that are not blank, with their numbers from 1; add comments to the list instead."""
+def _filled(lines: Iterable[str], comments: deque[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+    """Yield the lines that are not blank, with their numbers from 1; add comments to `comments` instead."""
     for number, line in zip(count(1), lines, strict=False):
         if len(line) > LONGEST_LINE:
             raise too_long(number)
@@ -150,7 +153,7 @@ def _of_row(first_line: int, row: str, between: str | None) -> Layout:
 
 
 def _with_header(
-    layout: Layout, rows: list[tuple[int, str]], header: tuple[int, str] | None, comments: list[tuple[int, str]]
+    layout: Layout, rows: list[tuple[int, str]], header: tuple[int, str] | None, comments: Iterable[tuple[int, str]]
 ) -> Layout:
     """Return the layout with the names that a header, or a comment that names x and y, gives to its columns."""
     if header is None:
