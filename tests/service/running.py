@@ -27,12 +27,16 @@ def until(found: Callable[[], T], seconds: float = 30.0) -> T:
 
 
 class Program:
-    """One run of an `ipfit` command. Settings are given by the name of the variable without IPFIT_."""
+    """One run of an `ipfit` command. Settings are given by the name of the variable without IPFIT_.
+
+    Coverage is measured in the server that most tests share, and not in others: they would take twice as long.
+    """
 
     def __init__(self, command: str, folder: Path, **settings: object) -> None:
         self.folder = folder
         self._log = folder.parent / f"{folder.name}-{time.monotonic_ns()}.log"
-        kept = {name: value for name, value in os.environ.items() if not name.startswith("IPFIT_")}
+        dropped = ("IPFIT_",) if settings.pop("measured", False) else ("IPFIT_", "COVERAGE_")
+        kept = {name: value for name, value in os.environ.items() if not name.startswith(dropped)}
         told = {"PORT": 0, "DATA_DIR": folder, "WORKERS": 2, "SHORT_WORKERS": 0, "SHUTDOWN_GRACE": 0, **settings}
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(  # noqa: S603 - our own command
