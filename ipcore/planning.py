@@ -21,7 +21,7 @@ to half of those cases, as seconds of one core of 2.5 GHz, so that the logarithm
 from dataclasses import dataclass
 from math import comb
 
-from ipcore.geometric.fit import FEWEST_NODES, FEWEST_POINTS, NODES_PER_DEGREE, NODES_STEP, POINTS_PER_COLUMN
+from ipcore.geometric.sizes import nodes_per_axis, points_used
 from ipcore.options.choices import Factor, Granularity
 from ipcore.options.fit_options import FitOptions
 from ipcore.polynomial import graded
@@ -138,15 +138,10 @@ def _geometric(d: int, points: int, last: int, options: FitOptions) -> float:
     seconds = GEOMETRIC_BASE[d] + (ROBUST_PER_POINT * points if options.robust else 0.0)
     degrees = range(1, last + 1)
     if not options.on_geometric:
-        return seconds + SIGNS_PER_NODE[d] * sum(_nodes(d, n) for n in degrees)
-    used = [min(points, max(FEWEST_POINTS, POINTS_PER_COLUMN * comb(n + d, d))) for n in degrees]
+        nodes = sum(float(nodes_per_axis(d, n)) ** d for n in degrees)
+        return seconds + SIGNS_PER_NODE[d] * nodes
+    used = [min(points, points_used(d, n)) for n in degrees]
     return seconds + GEOMETRIC_PER_MOMENT[d] * sum(p * comb(2 * n + d, d) for n, p in zip(degrees, used, strict=True))
-
-
-def _nodes(d: int, degree: int) -> int:
-    """Return the number of nodes at which signs are constrained."""
-    steps = -(-NODES_PER_DEGREE[d] * degree // NODES_STEP)
-    return int(max(FEWEST_NODES, 1 + NODES_STEP * steps) ** d)
 
 
 def _linear(d: int, points: int, last: int, options: FitOptions) -> float:

@@ -23,6 +23,7 @@ from ipcore.geometric.inside_outside import InsideOutside
 from ipcore.geometric.levenberg_marquardt import Refined, condition
 from ipcore.geometric.objective import DataTables, Objective
 from ipcore.geometric.sign_constraints import SignConstraints, SignNodes
+from ipcore.geometric.sizes import nodes_per_axis, points_used
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.oriented import OrientedPoints
 from ipcore.points.outliers import crowded
@@ -32,10 +33,6 @@ from ipcore.search.fitter import PrefixFit
 from ipcore.search.stopping_rule import StoppingRule
 
 NODES_WEIGHT = 10.0  # of all sign nodes together, against a mean squared distance
-NODES_PER_DEGREE = {2: 10, 3: 6}  # along each axis
-FEWEST_NODES, NODES_STEP = 33, 16  # along each axis: the least number, and its increments, so that few grids are made
-# The number of points from which a degree is fitted first: per coefficient, and at least.
-POINTS_PER_COLUMN, FEWEST_POINTS = 6, 2000
 ALL_POINTS_EXCESS = 1.5  # below it, a fit is refined with all points
 STEEP = 2.0  # a greater slope at the data has only a fit that was scaled to reach margins, see `algebraic_start`
 OUTLIER_FACTOR = 5.0  # times t1, or times the median distance if that is more: points farther from a fit do not count
@@ -84,8 +81,7 @@ class GeometricFit:
 
     def _descent(self, degree: int) -> Descent:
         """Return the objective of a degree, over as many points as the degree needs."""
-        columns = graded.count(self._data.points.shape[1], degree)
-        data = self._tables(self._order[: max(FEWEST_POINTS, POINTS_PER_COLUMN * columns)])
+        data = self._tables(self._order[: points_used(self._data.points.shape[1], degree)])
         return Descent(Objective(data, degree, self._signs(degree), self._options.angle_weight), self._rule)
 
     def _tables(self, some: IntArray) -> DataTables:
@@ -97,8 +93,7 @@ class GeometricFit:
         """Return the sign constraints on the grid that a degree needs, as a list of one; of none without signs."""
         if not self._options.on_signs:
             return []
-        wanted = NODES_PER_DEGREE[self._data.points.shape[1]] * degree
-        count = max(FEWEST_NODES, 1 + NODES_STEP * -(-wanted // NODES_STEP))
+        count = nodes_per_axis(self._data.points.shape[1], degree)
         if count not in self._nodes:
             self._nodes[count] = SignNodes.of(self._sides, self._data.bounds, count, NODES_WEIGHT)
         return [self._nodes[count]]

@@ -1,20 +1,29 @@
 """The web application, for the store that the settings name."""
 
 import asyncio
+from contextlib import AbstractAsyncContextManager
 
 from fastapi import FastAPI
 
 from service.api.app import create_app
-from service.bootstrap import cluster, embedded
+from service.api.dependencies import Context
 from service.jobs.use_cases import FitService
 from service.settings import Settings
 
 
 def application(settings: Settings) -> FastAPI:
     """Return the application: a replica of a cluster if a shared database is set, else an embedded server."""
-    kind = embedded if settings.database_url is None else cluster
     origins = [origin.strip() for origin in settings.cors_origins.split(",") if origin.strip()]
-    return create_app(lambda: kind.context(settings), origins)
+    return create_app(lambda: _context(settings), origins)
+
+
+def _context(settings: Settings) -> AbstractAsyncContextManager[Context]:
+    """Return the context of the routes. The libraries of a cluster are loaded where there is one."""
+    if settings.database_url is None:
+        from service.bootstrap.embedded import context  # noqa: PLC0415 - see above
+    else:
+        from service.bootstrap.cluster import context  # noqa: PLC0415 - see above
+    return context(settings)
 
 
 async def drain(app: FastAPI, seconds: float) -> None:

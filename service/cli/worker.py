@@ -4,9 +4,9 @@ import asyncio
 
 import typer
 
-from service.bootstrap import work
-from service.cli.server import chosen_settings
+from service.cli.chosen import chosen_settings
 from service.telemetry.logs import configure
+from service.workers import fork_server
 
 
 def worker() -> None:
@@ -16,4 +16,7 @@ def worker() -> None:
         typer.echo("IPFIT_DATABASE_URL is not set: workers need the database of the servers", err=True)
         raise typer.Exit(2)
     configure()
+    fork_server.start()
+    from service.bootstrap.cluster import work  # noqa: PLC0415 - loaded while the fork server loads what workers need
+
     asyncio.run(work(settings))

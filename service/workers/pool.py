@@ -2,8 +2,6 @@
 
 import asyncio
 import logging
-import multiprocessing
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -14,17 +12,12 @@ from uuid import uuid4
 from pebble import ProcessExpired, ProcessPool
 
 from service.jobs.errors import DeadlineExceededError, OutOfMemoryError, WorkerCrashedError
-from service.workers import progress, worker_side
+from service.workers import fork_server, progress, worker_side
 from service.workers.kill import kill
 from service.workers.seat import in_loop, outcome, scheduled
 
 logger = logging.getLogger(__name__)
 
-# One BLAS thread per worker: the pool already fills the cores, and small products are slower on several threads. The
-# libraries read these variables when they are loaded, so they must be set before numpy is imported.
-BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# Modules that the fork server loads once, so that a new worker is ready in milliseconds.
-PRELOAD = ["service.workers.tasks", "service.formats.exports", "service.formats.points.reader"]
 START_TRIES = 3  # of a worker: the system may kill one when memory is short
 # Seconds between two looks whether a killed process is dead; most are after a few milliseconds.
 DEATH_CHECK_SECONDS = 0.005
@@ -55,7 +48,6 @@ class WorkerPool:
             How often a task is started if its worker dies.
 
         """
-        os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))
         self._tasks_per_worker, self._memory, self._tries = tasks_per_worker, memory, tries
         self._inbox = progress.Inbox()
         self._seats = [self._new_seat() for _ in range(size)]
@@ -156,14 +148,12 @@ class WorkerPool:
         return answer
 
     def _new_seat(self) -> ProcessPool:
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(PRELOAD)
         return ProcessPool(
             max_workers=1,
             max_tasks=self._tasks_per_worker,
             initializer=worker_side.initialise,
             initargs=[self._inbox.address, self._memory],
-            context=context,
+            context=fork_server.context(),
         )
 
     def _free_seat(self, seat: ProcessPool, task: str) -> None:

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from service.jobs.errors import InvalidInputError, WorkerCrashedError
-from service.workers.pool import BLAS_THREADS, WorkerPool
+from service.workers.fork_server import BLAS_THREADS
+from service.workers.pool import WorkerPool
 from service.workers.progress import report
 from tests.service.pools import pid, run, sleep
 from tests.service.running import alive

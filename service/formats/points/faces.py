@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-import trimesh
 
 from service.formats.points.reading import Array
 from service.jobs.errors import MalformedInputError
@@ -68,7 +67,9 @@ def vertex_normals(points: Array, faces: Array) -> Array | None:
         )
     if not np.isfinite(points).all():
         return None
+    from trimesh import Trimesh  # noqa: PLC0415 - takes half a second, which only programs that meet meshes should wait
+
     largest = float(np.abs(points).max()) or 1.0  # divided out: products of coordinates may overflow, and normals stay
-    mesh = trimesh.Trimesh(points / largest, faces, process=False, validate=False)
+    mesh = Trimesh(points / largest, faces, process=False, validate=False)
     normals = np.asarray(mesh.vertex_normals)
     return normals if (np.linalg.norm(normals, axis=1) > 0.5).all() else None

@@ -1,4 +1,4 @@
-"""Reading point sets off the event loop: a small body in a thread, a large one in a worker process."""
+"""Reading point sets off the event loop: small tables in a thread, large bodies and all meshes in a worker process."""
 
 import asyncio
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from service.formats.points import decode
+from service.formats.points.geometry_readers import GEOMETRY_READERS
 from service.jobs.fit import ReceivedPoints
 from service.jobs.ports import Seats, Workers
 from service.jobs.read_request import ReadRequest
@@ -18,7 +19,7 @@ class PointSetReader:
     Attributes
     ----------
     workers, seats
-        Where large bodies are read, and for how many at once.
+        Where large bodies and meshes are read, and for how many at once.
     max_points
         More are refused.
     deadline
@@ -34,7 +35,7 @@ class PointSetReader:
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read and check a body; see `decode.read`."""
         read = partial(decode.read, body, asked.kind, self.max_points, columns=asked.columns, missing=asked.missing)
-        if isinstance(body, bytes):
+        if isinstance(body, bytes) and asked.kind not in GEOMETRY_READERS:
             return await asyncio.to_thread(read)
         async with self.seats.taken(asked.client):
             points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
