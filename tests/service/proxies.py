@@ -1,5 +1,6 @@
-"""Reverse proxies that remove a prefix from paths: one of Python's own, and nginx where it is installed."""
+"""Reverse proxies that remove a prefix from paths: one of Python's own, and nginx and Caddy where there are any."""
 
+import os
 import shutil
 import socket
 import subprocess
@@ -32,6 +33,25 @@ http {{
   }}
 }}
 """
+CADDYFILE = """
+{{
+  admin off
+}}
+http://127.0.0.1:{port} {{
+  handle_path {prefix}/* {{
+    reverse_proxy {url}
+  }}
+}}
+"""
+PROGRAMS = {
+    "nginx": (NGINX, ["-p", "{folder}", "-c", "{folder}/nginx.conf"]),
+    "caddy": (CADDYFILE, ["run", "--adapter", "caddyfile", "--config", "{folder}/caddy.conf"]),
+}
+
+
+def program(name: str) -> str | None:
+    """Return the path of a proxy, or None if it is not installed; Debian's nginx is where only root looks."""
+    return shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin")
 
 
 @contextmanager
@@ -66,15 +86,18 @@ def plain_proxy(url: str) -> Iterator[str]:
 
 
 @contextmanager
-def nginx_proxy(url: str, folder: Path) -> Iterator[str]:
-    """Yield the address of an nginx in front of the server at `url`."""
-    program = shutil.which("nginx") or "/usr/sbin/nginx"
+def installed_proxy(name: str, url: str, folder: Path) -> Iterator[str]:
+    """Yield the address of one of `PROGRAMS` in front of the server at `url`."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    conf = folder / "nginx.conf"
-    conf.write_text(NGINX.format(folder=folder, port=port, prefix=PREFIX, url=url), encoding="utf-8")
-    process = subprocess.Popen([program, "-c", conf, "-p", folder])  # noqa: S603 - Debian's own
+    configuration, arguments = PROGRAMS[name]
+    text = configuration.format(folder=folder, port=port, prefix=PREFIX, url=url)
+    (folder / f"{name}.conf").write_text(text, encoding="utf-8")
+    command = [str(program(name)), *(argument.format(folder=folder) for argument in arguments)]
+    with (folder / "log").open("wb") as log:
+        own = {"HOME": str(folder), "XDG_DATA_HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
+        process = subprocess.Popen(command, env=os.environ | own, stdout=log, stderr=log)  # noqa: S603 - Debian's own
     try:
         for _ in range(100):
             with socket.socket() as probe:

@@ -1,9 +1,7 @@
 """Behind a proxy that removes a prefix: every link that the server gives begins with the prefix."""
 
 import re
-import shutil
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import httpx
@@ -11,20 +9,20 @@ import pytest
 
 from service.settings import Settings
 from tests.service.bodies import npy, sphere
-from tests.service.proxies import PREFIX, nginx_proxy, plain_proxy
+from tests.service.proxies import PREFIX, PROGRAMS, installed_proxy, plain_proxy, program
 from tests.service.running import Server
 
 
-@pytest.fixture(params=["plain", "nginx"])
+@pytest.fixture(params=["plain", *PROGRAMS])
 def address(request: pytest.FixtureRequest, start: Callable[..., Server], tmp_path: Path) -> Iterator[str]:
-    if request.param == "nginx" and not (shutil.which("nginx") or Path("/usr/sbin/nginx").exists()):
-        pytest.skip("nginx is not installed here")
+    name = request.param
+    if name in PROGRAMS and program(name) is None:
+        pytest.skip(f"{name} is not installed here")
     server = start(ROOT_PATH=PREFIX)
-    with ExitStack() as stack:
-        folder = tmp_path / "nginx"
-        folder.mkdir(mode=0o777)
-        proxy = plain_proxy(server.url) if request.param == "plain" else nginx_proxy(server.url, folder)
-        yield stack.enter_context(proxy)
+    folder = tmp_path / name
+    folder.mkdir(mode=0o777)
+    with plain_proxy(server.url) if name == "plain" else installed_proxy(name, server.url, folder) as proxy:
+        yield proxy
 
 
 def test_every_link_leads_somewhere_through_the_proxy(address: str) -> None:
