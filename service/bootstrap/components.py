@@ -31,7 +31,7 @@ from service.jobs.lease_holder import LeaseHolder
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
 from service.jobs.use_cases import FitService
-from service.queue.runner import Runner, Tasks
+from service.queue.runner import Lanes, Runner, Tasks
 from service.settings import Settings
 from service.workers import tasks
 from service.workers.fair_seats import FairSeats
@@ -42,12 +42,15 @@ logger = logging.getLogger(__name__)
 
 # Point sets that are read and stored at once: more only wait for each other, for the interpreter and for the disk.
 ACCEPTED_AT_ONCE = 2
+# By how much the priority of workers is lower than that of the server, which has little to do and whom everybody waits
+# for; 19 is the most. The lane of short fits has its own: whoever sends one fit waits there, beside floods of others.
+NICENESS, SHORT_NICENESS = 10, 0
 
 
 @asynccontextmanager
-async def pool(settings: Settings, size: int, tries: int = 1) -> AsyncIterator[WorkerPool]:
+async def pool(settings: Settings, size: int, *, tries: int = 1, niceness: int = NICENESS) -> AsyncIterator[WorkerPool]:
     """Yield a pool whose workers have started."""
-    made = WorkerPool(size, settings.tasks_per_worker, memory_of_a_worker(settings), tries)
+    made = WorkerPool(size, settings.tasks_per_worker, memory_of_a_worker(settings), tries, niceness)
     try:
         await made.warm_up()
         yield made
@@ -62,18 +65,22 @@ def memory_of_a_worker(settings: Settings) -> int:
 
 
 @asynccontextmanager
-async def fitters(settings: Settings) -> AsyncIterator[WorkerPool]:
-    """Yield the pool in which fits run, with a worker for each fit that may run at once."""
-    async with pool(settings, settings.workers + settings.short_workers) as made:
-        yield made
+async def fitters(settings: Settings) -> AsyncIterator[Lanes]:
+    """Yield the pools in which fits run, with a worker for each fit that may run at once."""
+    async with pool(settings, settings.workers) as made:
+        if not settings.short_workers:
+            yield Lanes(made, made)
+            return
+        async with pool(settings, settings.short_workers, niceness=SHORT_NICENESS) as short:
+            yield Lanes(made, short)
 
 
-def runner(settings: Settings, store: FitStore, blobs: BlobStore, workers: WorkerPool, *, publish: bool) -> Runner:
+def runner(settings: Settings, store: FitStore, blobs: BlobStore, lanes: Lanes, *, publish: bool) -> Runner:
     """Return the runner of fits in these workers."""
     name = f"{socket.gethostname()}-{os.getpid()}-{uuid4().hex[:8]}"
     holder = LeaseHolder(name, settings.lease)
     work = Tasks(tasks.fit, tasks.sum_moments, tasks.fit_from_moments)
-    return Runner(store, blobs, workers, work, holder=holder, deadline=settings.fit_deadline, publish=publish)
+    return Runner(store, blobs, lanes, work, holder=holder, deadline=settings.fit_deadline, publish=publish)
 
 
 @asynccontextmanager
@@ -85,7 +92,10 @@ async def use_cases(  # noqa: PLR0913, PLR0917 - the parts from which it is made
     They work while fits run, and neither do uploads wait for meshes nor meshes for uploads.
     """
     deadline, places = settings.mesh_deadline, settings.waiting_requests
-    async with pool(settings, 1, MAX_CRASHES) as readers, pool(settings, settings.mesh_workers, MAX_CRASHES) as makers:
+    async with (
+        pool(settings, 1, tries=MAX_CRASHES) as readers,
+        pool(settings, settings.mesh_workers, tries=MAX_CRASHES) as makers,
+    ):
         reading = FairSeats("uploads", 1, places, deadline)
         making = FairSeats("files", settings.mesh_workers, places, deadline)
         cache = FileCache(files, settings.mesh_cache_bytes)

@@ -1,9 +1,13 @@
-"""Flow control with a backlog: what has arrived waits for its turn, and nothing more is read meanwhile."""
+"""Flow control with a backlog: what has arrived waits for its turn, and little more is read meanwhile."""
 
 import asyncio
 from collections.abc import Callable
 
 from uvicorn.protocols.http.flow_control import FlowControl
+
+# Bytes of a backlog below which the server goes on reading, and so sees that a peer has left: else a thousand small
+# requests of such peers would be kept until their turn.
+LITTLE = 4096
 
 
 class BacklogFlow(FlowControl):
@@ -35,8 +39,8 @@ class BacklogFlow(FlowControl):
         return some
 
     def listen(self, *, ready: bool) -> None:
-        """Read from the peer if everything before was parsed and the protocol is ready for more, else do not."""
-        listens = ready and not self.backlog and not self.read_paused
+        """Read from the peer if little waits to be parsed and the protocol is ready for more, else do not."""
+        listens = ready and len(self.backlog) < LITTLE and not self.read_paused
         if listens != self._listens:
             self._listens = listens
             (self._transport.resume_reading if listens else self._transport.pause_reading)()

@@ -64,10 +64,10 @@ class SharingProtocol(HttpToolsProtocol):
         self._turns.take(self._address, lambda: None if self.transport.is_closing() else start(cycle, app))
 
     def _go_on(self) -> None:
-        """Take a turn if something can be parsed, else read on if the application wants more."""
-        if self._waits or self._responds or self.transport.is_closing():
+        """Take a turn if something can be parsed, and read on if little waits and the application wants more."""
+        if self._responds or self.transport.is_closing():
             return
-        if self._can_parse():
+        if not self._waits and self._can_parse():
             self._waits = True
             self._turns.take(self._address, self._take_turn)
         self.flow.listen(ready=not self.pipeline)

@@ -69,7 +69,7 @@ class ProcrastinateWorker:
         self._store, self._runner, self._clean_up, self._lease = store, runner, clean_up, lease
         self._lanes = [((SHORT_QUEUE, LONG_QUEUE), seats), ((SHORT_QUEUE,), short_seats), ((UPKEEP_QUEUE,), 1)]
         self._app = App(connector=PsycopgConnector(conninfo=url, min_size=1, max_size=8, timeout=CONNECTION_TIMEOUT))
-        self._app.task(name=TASK, pass_context=False, retry=_RetryUntilEnded(lease))(self._fit)
+        self._app.task(name=TASK, pass_context=True, retry=_RetryUntilEnded(lease))(self._fit)
         upkeep = self._app.task(name="upkeep", queue=UPKEEP_QUEUE, queueing_lock="upkeep", pass_context=True)
         self._app.periodic(cron=UPKEEP)(upkeep(self._upkeep))
         self._runs: set[asyncio.Task[None]] = set()
@@ -116,9 +116,10 @@ class ProcrastinateWorker:
                 logger.exception("the lane %s lost its database", "+".join(queues))
             await asyncio.sleep(RECONNECT_SECONDS)
 
-    async def _fit(self, fit_id: str) -> None:
+    async def _fit(self, context: JobContext, fit_id: str) -> None:
         """Run a fit as a job; raise if the job has to run again."""
-        run = asyncio.create_task(self._runner.run(fit_id), name=f"fit {fit_id}")
+        short = LONG_QUEUE not in (context.worker_queues or ())
+        run = asyncio.create_task(self._runner.run(fit_id, short=short), name=f"fit {fit_id}")
         self._runs.add(run)
         run.add_done_callback(self._runs.discard)
         try:

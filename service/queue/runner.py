@@ -55,17 +55,32 @@ class Tasks:
     fit_from_moments: Callable[..., bytes]
 
 
+@dataclass(frozen=True)
+class Lanes:
+    """The workers of each lane of the queue; those for short fits alone may have a higher priority.
+
+    Attributes
+    ----------
+    any_length, short
+        The workers of the lane of all fits, and of the lane of short fits.
+
+    """
+
+    any_length: Workers
+    short: Workers
+
+
 class Runner:
     """Runs fits in worker processes, each on a lease of the store.
 
     The lease is renewed here, in the supervising process: a worker inside a LAPACK call could not do it.
     """
 
-    def __init__(  # noqa: PLR0913 - four ports, three settings
+    def __init__(  # noqa: PLR0913 - ports and settings
         self,
         store: FitStore,
         blobs: BlobStore,
-        workers: Workers,
+        lanes: Lanes,
         tasks: Tasks,
         *,
         holder: LeaseHolder,
@@ -73,7 +88,7 @@ class Runner:
         publish: bool = False,
     ) -> None:
         """Give each fit or part at most `deadline` seconds in a worker; with `publish`, store its progress."""
-        self._store, self._blobs, self._workers, self._tasks = store, blobs, workers, tasks
+        self._store, self._blobs, self._lanes, self._tasks = store, blobs, lanes, tasks
         self._holder, self._deadline, self._publish = holder, deadline, publish
         self._steps: dict[str, list[dict[str, Any]]] = {}
 
@@ -81,8 +96,10 @@ class Runner:
         """Return the degrees tried so far by a fit that runs here."""
         return list(self._steps.get(fit_id, ()))
 
-    async def run(self, fit_id: str) -> None:
+    async def run(self, fit_id: str, *, short: bool) -> None:
         """Run one fit to its end, again if its worker dies. When cancelled, kill its worker and release the fit.
+
+        It takes a worker of the lane of short fits, or of the lane of all.
 
         Raises
         ------
@@ -92,20 +109,20 @@ class Runner:
         """
         while (attempt := await self._retried(self._store.start, fit_id, self._holder)) is not None:
             try:
-                await self._attempt(fit_id, attempt)
+                await self._attempt(fit_id, attempt, self._lanes.short if short else self._lanes.any_length)
             except asyncio.CancelledError:
                 await asyncio.shield(self._release(fit_id, attempt))
                 raise
             finally:
                 self._steps.pop(fit_id, None)
 
-    async def _attempt(self, fit_id: str, attempt: int) -> None:
+    async def _attempt(self, fit_id: str, attempt: int, workers: Workers) -> None:
         """Run one attempt and store how it ended."""
         fit = await self._retried(self._store.get, fit_id)
         if fit is None:
             return
         try:
-            result = await self._while_held(fit, attempt)
+            result = await self._while_held(fit, attempt, workers)
         except WorkerCrashedError as error:
             logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
             if fit.crashes + 1 < MAX_CRASHES:
@@ -135,10 +152,10 @@ class Runner:
             return Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
         return Failure("out-of-memory", str(error))
 
-    async def _while_held(self, fit: Fit, attempt: int) -> bytes | None:
+    async def _while_held(self, fit: Fit, attempt: int, workers: Workers) -> bytes | None:
         """Return the result; or kill the worker and return None as soon as this attempt does not hold the fit."""
         steps = self._steps.setdefault(fit.id, [])
-        work = asyncio.create_task(self._in_worker(fit, steps))
+        work = asyncio.create_task(self._in_worker(fit, steps, workers))
         keeper = asyncio.create_task(self._keep_lease(fit.id, attempt, steps))
         try:
             await asyncio.wait((work, keeper), return_when=asyncio.FIRST_COMPLETED)
@@ -169,7 +186,7 @@ class Runner:
             if not held:
                 return
 
-    async def _in_worker(self, fit: Fit, steps: list[dict[str, Any]]) -> bytes:
+    async def _in_worker(self, fit: Fit, steps: list[dict[str, Any]], workers: Workers) -> bytes:
         """Run the task of a fit, or of a part, in a worker; append the degrees that it reports to `steps`."""
         arguments: list[Any] = [self._blobs, fit.input, fit.requested.complete]
         task = self._tasks.fit
@@ -179,7 +196,7 @@ class Runner:
         elif fit.parts:
             task = self._tasks.fit_from_moments
             arguments.append(await self._retried(self._store.sums, fit.id))
-        result: bytes = await self._workers.run(task, *arguments, deadline=self._deadline, progress=steps.append)
+        result: bytes = await workers.run(task, *arguments, deadline=self._deadline, progress=steps.append)
         return result
 
     async def _release(self, fit_id: str, attempt: int) -> None:

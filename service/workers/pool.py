@@ -33,7 +33,7 @@ class WorkerPool:
     the seat is lost, and it is replaced.
     """
 
-    def __init__(self, size: int, tasks_per_worker: int, memory: int, tries: int = 1) -> None:
+    def __init__(self, size: int, tasks_per_worker: int, memory: int, tries: int = 1, niceness: int = 0) -> None:
         """Make the seats; their workers start with the first task.
 
         Parameters
@@ -46,9 +46,11 @@ class WorkerPool:
             Bytes that each process may take.
         tries
             How often a task is started if its worker dies.
+        niceness
+            By how much the priority of the processes is lower than that of this one.
 
         """
-        self._tasks_per_worker, self._memory, self._tries = tasks_per_worker, memory, tries
+        self._tasks_per_worker, self._memory, self._tries, self._niceness = tasks_per_worker, memory, tries, niceness
         self._inbox = progress.Inbox()
         self._seats = [self._new_seat() for _ in range(size)]
         # First in, first out: a seat whose worker was just killed gets the longest time to start another.
@@ -152,7 +154,7 @@ class WorkerPool:
             max_workers=1,
             max_tasks=self._tasks_per_worker,
             initializer=worker_side.initialise,
-            initargs=[self._inbox.address, self._memory],
+            initargs=[self._inbox.address, self._memory, self._niceness],
             context=fork_server.context(),
         )
 

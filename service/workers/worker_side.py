@@ -12,18 +12,13 @@ from service.workers import progress
 
 T = TypeVar("T")
 
-# By how much the priority of a worker is lower than that of its server; 19 is the most.
-NICENESS = 10
 # Seconds between two looks whether the server still runs. A worker without one should free its core soon.
 SERVER_CHECK_SECONDS = 1.0
 
 
-def initialise(address: str, memory: int) -> None:
-    """Start a worker: limit it to `memory` bytes, connect it to `address`, and let it end with the server.
-
-    Its priority is lower than the server's, which has little to do and whom everybody waits for.
-    """
-    os.nice(NICENESS)
+def initialise(address: str, memory: int, niceness: int) -> None:
+    """Start a worker that ends with the server: lower its priority, limit it to `memory` bytes, connect it."""
+    os.nice(niceness)
     hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
     most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)  # the system may allow less
     resource.setrlimit(resource.RLIMIT_DATA, (most, most))

@@ -22,7 +22,7 @@ from service.jobs.parts import split
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.queue.embedded import EmbeddedQueue
-from service.queue.runner import Runner, Tasks
+from service.queue.runner import Lanes, Runner, Tasks
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
@@ -86,7 +86,14 @@ class Bench:
 
     def anew(self) -> EmbeddedQueue:
         tasks = Tasks(fit, part, rest)
-        runner = Runner(self.store, self.blobs, self.workers, tasks, holder=LeaseHolder("me", 1.0), deadline=5.0)
+        runner = Runner(
+            self.store,
+            self.blobs,
+            Lanes(self.workers, self.workers),
+            tasks,
+            holder=LeaseHolder("me", 1.0),
+            deadline=5.0,
+        )
         return EmbeddedQueue(self.store, runner, seats=1, short_seats=1)
 
     def new_fit(self, name: str, orders: dict[str, Any], client: str = "", cost: float = LONG) -> Fit:

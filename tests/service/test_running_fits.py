@@ -30,7 +30,7 @@ def kill(pid: int) -> None:
 def test_a_killed_worker_repeats_its_fit_and_no_other(own: Server) -> None:
     fits = [own.fit(LONG, SOME_SECONDS, "respond-async") for _ in range(2)]
     before = [own.under_way(fit) for fit in fits]
-    victim = own.busy()[0]
+    victim = until(own.busy)[0]
     kill(victim)
     after = [own.look(fit, wait=60) for fit in fits]
     assert [fit["status"] for fit in after] == ["successful"] * 2
@@ -44,7 +44,7 @@ def test_a_fit_that_kills_its_workers_fails_and_the_next_succeeds(own: Server) -
     fit = own.fit(LONG, HALF_A_MINUTE, "respond-async")
     for _ in range(2):
         own.under_way(fit, degree=7)
-        (victim,) = own.busy()
+        (victim,) = until(own.busy)
         kill(victim)
         until(partial(gone, victim))
         until(lambda: len(own.look(fit).get("progress", [])) < 7)  # it starts anew, or has failed
@@ -66,8 +66,7 @@ def test_dismissing_a_running_fit_kills_its_worker_and_frees_the_slot(own: Serve
     fits = [own.fit(LONG, HALF_A_MINUTE, "respond-async") for _ in range(3)]
     for fit in fits[:2]:
         own.under_way(fit)
-    victims = own.busy()
-    assert len(victims) == 2
+    victims = until(lambda: pids if len(pids := own.busy()) == 2 else [])
     assert own.look(fits[2])["status"] == "accepted"
     for fit in fits:
         answer = own.client.delete(f"/v1/fits/{fit['id']}")
