@@ -34,8 +34,8 @@ class ReleasingFileResponse(FileResponse):
 
 def known_response(request: Request, name: str) -> Response | None:
     """Return a 304 if the caller has the file of this name, in any encoding; else None."""
-    etag = preconditions.strong_etag(name.encode())
-    if not preconditions.is_known(request, etag):
+    etag = preconditions.known(request, preconditions.strong_etag(name.encode()))
+    if etag is None:
         return None
     return Response(status_code=HTTPStatus.NOT_MODIFIED, headers={"ETag": etag, **KEEP})
 

@@ -14,8 +14,8 @@ def json_response(
     """Return a response with this JSON document; 304 to a GET whose sender has it already."""
     etag = preconditions.strong_etag(body)
     sent = {"ETag": etag, "Vary": "Accept-Encoding, Authorization", **headers}
-    if request.method == "GET" and preconditions.is_known(request, etag):
-        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent)
+    if request.method == "GET" and (known := preconditions.known(request, etag)) is not None:
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=sent | {"ETag": known})
     content, encoding = compressed(body, negotiation.content_encoding(request))
     if encoding is not None:
         sent |= {"ETag": preconditions.encoded_etag(etag, encoding), "Content-Encoding": encoding}

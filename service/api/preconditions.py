@@ -40,26 +40,27 @@ def check_match(request: Request, etag: str) -> None:
 
     """
     sent = request.headers.getlist("if-match")
-    if sent and not _names(sent, etag, weak=False):
+    if sent and not _named(sent, etag, weak=False):
         raise HTTPException(HTTPStatus.PRECONDITION_FAILED, f"If-Match does not name the present state, {etag}")
 
 
-def is_known(request: Request, etag: str) -> bool:
-    """Return whether If-None-Match says that the caller has this state already, by weak comparison."""
-    return _names(request.headers.getlist("if-none-match"), etag, weak=True)
+def known(request: Request, etag: str) -> str | None:
+    """Return the tag by which If-None-Match says that the caller has this state already, by weak comparison."""
+    found = _named(request.headers.getlist("if-none-match"), etag, weak=True)
+    return found[0] if found else None
 
 
-def _names(lines: list[str], etag: str, *, weak: bool) -> bool:
-    """Return whether a list of entity tags has this strong one, in any encoding, or is `*`. A malformed list has none.
+def _named(lines: list[str], etag: str, *, weak: bool) -> list[str]:
+    """Return which tags of a list are this strong one, in any encoding; all, if it is `*`. A malformed list has none.
 
-    >>> _names(['W/"a", "b"'], '"a"', weak=True), _names(['W/"a", "b"'], '"a"', weak=False)
-    (True, False)
-    >>> _names(['"a-gzip"'], '"a"', weak=False), _names(['"a-lzma"'], '"a"', weak=False)
-    (True, False)
+    >>> _named(['W/"a", "b"'], '"a"', weak=True), _named(['W/"a", "b"'], '"a"', weak=False)
+    (['"a"'], [])
+    >>> [_named([one], '"a"', weak=False) for one in ('"a-gzip"', '"a-lzma"', "*")]
+    [['"a-gzip"'], [], ['"a"']]
     """
     text = ",".join(lines)
     if text.strip() == "*":
-        return True
+        return [etag]
     tags = re.findall(_TAG, text) if _TAGS.fullmatch(text) else []
     same = {encoded_etag(etag, encoding) for encoding in (None, *ENCODINGS)}
-    return not same.isdisjoint(tag.removeprefix("W/") if weak else tag for tag in tags)
+    return [bare for tag in tags if (bare := tag.removeprefix("W/") if weak else tag) in same]

@@ -5,8 +5,9 @@ import socket
 from contextlib import suppress
 from threading import Semaphore, Thread
 
-# Look-ups at once, of which each has a thread; a name whose servers are silent keeps one for up to a minute.
-MOST_LOOK_UPS = 32
+# Look-ups at once, of which each has a thread. A name whose servers are silent keeps one for up to a minute, and a
+# client may have four tries of ten seconds: this many is for four clients who have such names alone.
+MOST_LOOK_UPS = 96
 _free = Semaphore(MOST_LOOK_UPS)
 
 
@@ -49,5 +50,9 @@ async def resolved(host: str, port: int) -> list[str]:
         with suppress(RuntimeError):  # the loop has been closed
             loop.call_soon_threadsafe(settle, found)
 
-    Thread(target=look_up, name=f"resolve {host}", daemon=True).start()
+    try:
+        Thread(target=look_up, name=f"resolve {host}", daemon=True).start()
+    except RuntimeError as error:
+        _free.release()
+        raise OSError(f"no thread could be started: {error}") from error
     return await answer

@@ -73,7 +73,7 @@ class Exports:
             async with self.seats.taken(client):
                 return await self.workers.run(function, path, *arguments, deadline=self.deadline)
 
-        return await self.cache.get(name, make)
+        return await self.cache.get(name, make, client)
 
 
 def export_zero_set(  # noqa: PLR0913, PLR0917 - what to make of what, and how

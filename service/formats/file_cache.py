@@ -2,9 +2,9 @@
 
 import asyncio
 import os
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from weakref import WeakValueDictionary
@@ -15,6 +15,8 @@ from service.jobs.exported_file import ExportedFile
 Details = tuple[str | None, str | None]  # the encoding and the warning of an ExportedFile
 
 ROOM_SECONDS = 10.0  # after which there may be room, when files that are being sent take all of it
+# The share of the bytes that one client may be sent at once: one that reads slowly must not keep the files of others.
+SHARE_SENT_TO_A_CLIENT = 0.5
 
 
 @dataclass
@@ -39,12 +41,13 @@ class FileCache:
     """Files in a folder, each made once for all who ask for it at the same time or later."""
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
-        """Keep about so many bytes in a folder, which is empty: one file more at most for each that is being made."""
+        """Keep about so many bytes in a folder, which is empty, and besides what is being made or sent."""
         self._folder, self._most, self._bytes = folder, most_bytes, 0
         self._files: OrderedDict[str, _Kept] = OrderedDict()  # in the order of their last use
+        self._sent: Counter[str] = Counter()  # bytes of the files that are being sent, by client
         self._locks: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
 
-    async def get(self, name: str, make: Callable[[Path], Awaitable[Details]]) -> ExportedFile:
+    async def get(self, name: str, make: Callable[[Path], Awaitable[Details]], client: str) -> ExportedFile:
         """Return the file of this name, to be released by its reader; `make` writes it to a path if it is not there.
 
         If the caller for whom it is being made goes away, it is made for the next who waits for it.
@@ -52,22 +55,25 @@ class FileCache:
         Raises
         ------
         QueueFullError
-            If files that are being read take all the room.
+            If files that are being sent take all the room, or those of this client its share.
 
         """
         lock = self._locks.setdefault(name, asyncio.Lock())
         async with lock:
             if name not in self._files:
-                self._check_room()
+                self._check_room(client)
                 await self._make(name, make)
             kept = self._files[name]
             self._files.move_to_end(name)
             kept.readers += 1
+            self._sent[client] += kept.size
             self._evict()
-            return kept.file
+            return replace(kept.file, release=partial(self._release, name, client))
 
-    def _check_room(self) -> None:
-        """Refuse to make a file while those that cannot be removed take all the room."""
+    def _check_room(self, client: str) -> None:
+        """Refuse to make a file while those that cannot be removed take all the room, or this client's part of it."""
+        if self._sent[client] >= SHARE_SENT_TO_A_CLIENT * self._most:
+            raise QueueFullError(f"{self._sent[client]} bytes of files are being sent to you", ROOM_SECONDS)
         if sum(kept.size for kept in self._files.values() if kept.readers) >= self._most:
             raise QueueFullError("files that are being sent take all the room for files", ROOM_SECONDS)
 
@@ -79,13 +85,16 @@ class FileCache:
             os.replace(part, path)  # noqa: PTH105 - one name for both systems, and as quick as the calls around it
         finally:
             part.unlink(missing_ok=True)
-        file = ExportedFile(path, partial(self._release, name), encoding, warning)
-        self._files[name] = _Kept(file, size)
+        self._files[name] = _Kept(ExportedFile(path, _nothing, encoding, warning), size)
         self._bytes += size
 
-    def _release(self, name: str) -> None:
+    def _release(self, name: str, client: str) -> None:
         """Note that a reader of a file has ended."""
-        self._files[name].readers -= 1
+        kept = self._files[name]
+        kept.readers -= 1
+        self._sent[client] -= kept.size
+        if self._sent[client] <= 0:
+            del self._sent[client]
         self._evict()
 
     def _evict(self) -> None:
@@ -97,3 +106,7 @@ class FileCache:
                 del self._files[name]
                 self._bytes -= kept.size
                 kept.file.path.unlink(missing_ok=True)
+
+
+def _nothing() -> None:
+    """Release a file of the cache itself, which no reader has."""

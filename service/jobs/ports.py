@@ -112,6 +112,9 @@ class FitStore(Protocol):
     def outdated(self, age: float, size: int) -> list[str]:
         """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
 
+    def forget_acceptances(self) -> None:
+        """Forget when fits were accepted, of those that no quota counts any more."""
+
 
 class BlobStore(Protocol):
     """Stores bytes durably, each under its SHA-256. It can be pickled: workers read from it."""
@@ -177,6 +180,9 @@ class FitQueue(Protocol):
 
 class Reader(Protocol):
     """Reads point sets from the bodies of requests."""
+
+    def uses_worker(self, body: bytes | Path, asked: ReadRequest) -> bool:
+        """Return whether a body is read in a worker, for which it may have to wait."""
 
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read a body, or the file that holds it, and check it.

@@ -9,10 +9,13 @@ from service.store.schema import acceptances
 
 
 def add(connection: Connection, fit_id: str, owner: str, now: datetime) -> None:
-    """Note that a fit is accepted now, and forget those of an hour ago."""
-    old = (acceptances.c.owner == owner) & (acceptances.c.accepted <= _an_hour_before(now))
-    connection.execute(acceptances.delete().where(old))
+    """Note that a fit is accepted now."""
     connection.execute(acceptances.insert().values(fit=fit_id, owner=owner, accepted=now))
+
+
+def forget(connection: Connection, now: datetime) -> None:
+    """Forget those of more than an hour ago, which no quota counts."""
+    connection.execute(acceptances.delete().where(acceptances.c.accepted <= _an_hour_before(now)))
 
 
 def recent(connection: Connection, owner: str, now: datetime) -> tuple[int, float]:

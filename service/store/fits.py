@@ -202,6 +202,11 @@ class SqlFits:
         with self._engine.connect() as connection:
             return queries.outdated(connection, age, size)
 
+    def forget_acceptances(self) -> None:
+        """Forget when fits were accepted, of those that no quota counts any more."""
+        with self._engine.begin() as connection:
+            acceptances.forget(connection, transitions.clock(connection))
+
     def _earlier(self, connection: Connection, fit: Fit) -> Fit | None:
         """Return the fit that was stored with the same key, if this one has a key."""
         if fit.key is None:

@@ -13,6 +13,7 @@ from sqlalchemy import (
     Dialect,
     Engine,
     Float,
+    Index,
     Integer,
     LargeBinary,
     MetaData,
@@ -21,6 +22,7 @@ from sqlalchemy import (
     create_engine,
     event,
 )
+from sqlalchemy import exc as errors
 from sqlalchemy.pool import ConnectionPoolEntry, NullPool
 from sqlalchemy.types import TypeDecorator
 
@@ -35,6 +37,8 @@ TIMEOUTS = {
     "keepalives_idle": 5,
     "keepalives_interval": 2,
 }
+# Seconds that a transaction waits for others to write to SQLite.
+LOCK_SECONDS = 10
 OPTIONS = "-c statement_timeout=30000 -c idle_in_transaction_session_timeout=30000 -c synchronous_commit=on"
 
 
@@ -117,7 +121,7 @@ callbacks = Table(
     Column("fit", String, primary_key=True),
     Column("url", String, nullable=False),
     Column("host", String, nullable=False),
-    Column("client", String, nullable=False),  # of the fit: clients share the sending of callbacks
+    Column("client", String, nullable=False, server_default=""),  # of the fit: clients share the sending of callbacks
     Column("state", String, nullable=False),
     Column("tries", Integer, nullable=False),
     Column("due", Moment, index=True),  # NULL before the end of the fit, and when nothing is to be sent any more
@@ -130,8 +134,9 @@ acceptances = Table(
     "acceptances",
     metadata,
     Column("fit", String, primary_key=True),
-    Column("owner", String, nullable=False, index=True),
+    Column("owner", String, nullable=False),
     Column("accepted", Moment, nullable=False),
+    Index("ix_acceptances_recent", "owner", "accepted"),
 )
 # Whoever changes the tables above adds a migration here that changes older ones in the same way, named after the
 # release. Each is one statement: SQLite takes no more at once.
@@ -150,12 +155,13 @@ FITS = MigrationStep(
         "0.2.0 owner": "ALTER TABLE fits ADD COLUMN owner VARCHAR NOT NULL DEFAULT ''",
         "0.2.0 owner, found": "CREATE INDEX ix_fits_owner ON fits (owner)",
         "0.2.0 callbacks": "CREATE TABLE callbacks (fit VARCHAR NOT NULL PRIMARY KEY, url VARCHAR NOT NULL,"
-        " host VARCHAR NOT NULL, client VARCHAR NOT NULL, state VARCHAR NOT NULL, tries INTEGER NOT NULL,"
-        " due TIMESTAMP WITH TIME ZONE, status VARCHAR, ended TIMESTAMP WITH TIME ZONE, last_error VARCHAR)",
+        " host VARCHAR NOT NULL, state VARCHAR NOT NULL, tries INTEGER NOT NULL, due TIMESTAMP WITH TIME ZONE,"
+        " status VARCHAR, ended TIMESTAMP WITH TIME ZONE, last_error VARCHAR)",
         "0.2.0 callbacks, found": "CREATE INDEX ix_callbacks_due ON callbacks (due)",
+        "0.2.0 callbacks, client": "ALTER TABLE callbacks ADD COLUMN client VARCHAR NOT NULL DEFAULT ''",
         "0.2.0 acceptances": "CREATE TABLE acceptances (fit VARCHAR NOT NULL PRIMARY KEY, owner VARCHAR NOT NULL,"
         " accepted TIMESTAMP WITH TIME ZONE NOT NULL)",
-        "0.2.0 acceptances, found": "CREATE INDEX ix_acceptances_owner ON acceptances (owner)",
+        "0.2.0 acceptances, found": "CREATE INDEX ix_acceptances_recent ON acceptances (owner, accepted)",
     },
     columns=frozenset(fits.columns.keys()),
 )
@@ -168,7 +174,7 @@ def sqlite_engine(path: Path) -> Engine:
     @event.listens_for(engine, "connect")
     def _durable(connection: sqlite3.Connection, _record: object) -> None:
         cursor = connection.cursor()
-        for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=10000"):
+        for pragma in ("journal_mode=WAL", "synchronous=FULL", f"busy_timeout={1000 * LOCK_SECONDS}"):
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
 
@@ -189,7 +195,8 @@ def _write_in_turn(engine: Engine) -> None:
         connection: Connection, _cursor: object, statement: str, _given: object, _context: object, _many: object
     ) -> None:
         if not connection.info.get("writes") and statement.startswith(("INSERT", "UPDATE", "DELETE")):
-            writer.acquire()
+            if not writer.acquire(timeout=LOCK_SECONDS):
+                raise errors.TimeoutError("the database is busy: others have been writing for too long")
             connection.info["writes"] = True
 
     @event.listens_for(engine, "checkin")

@@ -100,3 +100,18 @@ def test_a_fit_over_its_memory_fails_and_the_server_goes_on(start: Callable[...,
     assert (fit["status"], fit["problem"]["type"]) == ("failed", "/problems/out-of-memory"), fit
     assert server.fit(npy(ellipse()))["status"] == "successful"
     server.stop()
+
+
+def test_the_lane_of_short_fits_has_workers_of_the_servers_priority(start: Callable[..., Server]) -> None:
+    server = start(WORKERS=1, SHORT_WORKERS=1, MESH_WORKERS=1)
+
+    def niceness(pid: int) -> int:
+        return os.getpriority(os.PRIO_PROCESS, pid) - os.getpriority(os.PRIO_PROCESS, server.process.pid)
+
+    assert sorted(map(niceness, server.workers())) == [0, 10, 10, 10]  # two for fits, one for uploads, one for meshes
+    long = server.under_way(server.fit(LONG, HALF_A_MINUTE, "respond-async"))
+    (busy,) = until(server.busy)
+    assert niceness(busy) == 10
+    assert server.fit(npy(ellipse()))["status"] == "successful"  # in the other lane: this one is taken
+    server.client.delete(f"/v1/fits/{long['id']}")
+    server.stop()

@@ -32,10 +32,15 @@ class PointSetReader:
     max_points: int
     deadline: float
 
+    @staticmethod
+    def uses_worker(body: bytes | Path, asked: ReadRequest) -> bool:
+        """Return whether a body is read in a worker, for which it may have to wait."""
+        return isinstance(body, Path) or asked.kind in GEOMETRY_READERS
+
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read and check a body; see `decode.read`."""
         read = partial(decode.read, body, asked.kind, self.max_points, columns=asked.columns, missing=asked.missing)
-        if isinstance(body, bytes) and asked.kind not in GEOMETRY_READERS:
+        if isinstance(body, bytes) and not self.uses_worker(body, asked):
             return await asyncio.to_thread(read)
         async with self.seats.taken(asked.client):
             points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
