@@ -43,7 +43,7 @@ def test_no_fit_is_lost_when_the_server_is_killed_or_stopped(start: Callable[...
     assert first.look(waiting)["status"] == "accepted"
     orphans = first.workers()
     first.kill()
-    until(lambda: not any(alive(pid) for pid in orphans), 5.0)  # a worker does not outlive its server
+    until(lambda: not any(alive(pid) for pid in orphans))  # a worker does not outlive its server
     half_read = first.folder / "incoming" / "body-left"
     half_read.write_bytes(b"half a")
 
