@@ -30,7 +30,7 @@ def test_rows_are_those_that_the_family_makes(dimension: int, family: Constraint
         (FitOptions.of("paper"), True),
     ],
 )
-def test_a_system_counts_when_it_is_held(options: FitOptions, held: bool) -> None:  # noqa: FBT001 - a case
+def test_a_system_counts_when_it_is_held(options: FitOptions, held: bool) -> None:
     found = ipcore.plan(3, 5000, options, normals=True)
     assert found.held_bytes == (8 * found.rows * comb(16 + 3, 3) if held else 0)
 
@@ -55,7 +55,7 @@ def test_a_degree_that_the_dimension_does_not_allow_is_refused() -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("geometric", [False, True])
 @pytest.mark.parametrize("normals", [False, True])
-def test_more_points_and_higher_degrees_take_longer(dimension: int, geometric: bool, normals: bool) -> None:  # noqa: FBT001 - cases
+def test_more_points_and_higher_degrees_take_longer(dimension: int, geometric: bool, normals: bool) -> None:
     def seconds(points: int, degree: int) -> float:
         options = FitOptions(max_degree=degree, geometric=geometric)
         return ipcore.plan(dimension, points, options, normals=normals).seconds

@@ -51,7 +51,7 @@ def test_meshes_give_their_vertices_and_outward_normals(tmp_path: Path, ending: 
 def test_a_cloud_without_normals_gives_points_alone(tmp_path: Path) -> None:
     path = tmp_path / "cloud.ply"
     cloud = trimesh.PointCloud(sphere(50)[:, :3])  # type: ignore[no-untyped-call] # trimesh's
-    cloud.export(path)  # type: ignore[no-untyped-call]
+    cloud.export(path)  # type: ignore[no-untyped-call] # trimesh leaves it unannotated
     found = by_ending.read_file(path, 1000)
     assert found.points == 50
     assert decode.split(found.content, 3)[1] is None

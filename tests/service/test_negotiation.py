@@ -59,7 +59,7 @@ def test_the_name_wins_over_accept() -> None:
         ("model/*, application/json;q=0.9", True),
     ],
 )
-def test_a_file_is_the_answer_only_when_wanted_more_than_json(accept: str, wanted: bool) -> None:  # noqa: FBT001
+def test_a_file_is_the_answer_only_when_wanted_more_than_json(accept: str, wanted: bool) -> None:
     assert wants_file(request(accept=accept)) is wanted
 
 

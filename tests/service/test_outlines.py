@@ -110,14 +110,14 @@ def test_svg_draws_the_curve_upright_about_its_middle() -> None:
 
 
 def test_svg_draws_every_line_in_one_path() -> None:
-    assert path(ET.fromstring(svg(zero_set(OVALS)))).attrib["d"].count("M") == 2  # noqa: S314
+    assert path(ET.fromstring(svg(zero_set(OVALS)))).attrib["d"].count("M") == 2  # noqa: S314 - our own
     half = zero_set(shapes.circle().polynomial, np.array([[0.0, -2.0], [2.0, 2.0]]), cap=False)
-    assert "Z" not in path(ET.fromstring(svg(half))).attrib["d"]  # noqa: S314
+    assert "Z" not in path(ET.fromstring(svg(half))).attrib["d"]  # noqa: S314 - our own
 
 
 def test_no_curve_is_an_empty_picture_and_no_geometry() -> None:
     nothing = zero_set(shapes.circle().polynomial, np.array([[2.0, 2.0], [3.0, 3.0]]))
-    assert not path(ET.fromstring(svg(nothing))).attrib["d"]  # noqa: S314
+    assert not path(ET.fromstring(svg(nothing))).attrib["d"]  # noqa: S314 - our own
     feature, geometry = read(nothing)
     assert geometry is None
     assert "bbox" not in feature

@@ -37,7 +37,7 @@ def sent(*lines: str) -> Preferences:
         ),
     ],
 )
-def test_what_is_understood(lines: tuple[str, ...], wait: float | None, respond_async: bool) -> None:  # noqa: FBT001
+def test_what_is_understood(lines: tuple[str, ...], wait: float | None, respond_async: bool) -> None:
     assert sent(*lines) == Preferences(wait, respond_async)
 
 

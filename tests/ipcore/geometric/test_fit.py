@@ -99,7 +99,7 @@ def test_a_fixed_degree_is_fitted_the_same_way() -> None:
 
 
 @pytest.mark.parametrize(("signs", "geometric"), [(True, False), (False, True)])
-def test_each_half_can_be_had_alone(signs: bool, geometric: bool) -> None:  # noqa: FBT001 - parametrised
+def test_each_half_can_be_had_alone(signs: bool, geometric: bool) -> None:
     points, normals = star()
     result = ipcore.fit(points, normals, FitOptions(signs=signs, geometric=geometric))
     assert result.stop_reason is ipcore.StopReason.CRITERION_MET

@@ -104,7 +104,7 @@ def test_fewest_points_lie_on_one_plane(d: int) -> None:
 
 
 @pytest.mark.parametrize("planar", [True, False])
-def test_plane_or_line_has_one_side(planar: bool) -> None:  # noqa: FBT001 - a parameter of the test
+def test_plane_or_line_has_one_side(planar: bool) -> None:
     t = np.random.default_rng(0).uniform(-1, 1, (300, 2))
     axes = np.array([[2.0, 1.0, 0.0], [0.0, 1.0, 3.0]])
     found = estimate_normals(t @ axes if planar else t[:, :1] @ axes[:1])

@@ -55,7 +55,7 @@ def test_several_outlines_and_lines_are_outlines() -> None:
 
 @settings(deadline=None, max_examples=30)
 @given(st.integers(3, 300), st.booleans(), st.integers(0, 300), st.booleans())
-def test_circle_is_exact_from_either_side_and_any_start(n: int, back: bool, start: int, close: bool) -> None:  # noqa: FBT001
+def test_circle_is_exact_from_either_side_and_any_start(n: int, back: bool, start: int, close: bool) -> None:
     points = np.roll(ellipse(n)[0], start, axis=0)[:: -1 if back else 1]
     points = np.vstack([points, points[:1]]) if close else points
     np.testing.assert_allclose(outline_normals(points), points, atol=1e-9)

@@ -87,7 +87,7 @@ def test_restriction_to_part_of_a_circle_leaves_one_open_line_within_the_support
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_restriction_keeps_a_cap_only_if_its_rim_stays(whole: bool) -> None:  # noqa: FBT001 - a parameter of the test
+def test_restriction_keeps_a_cap_only_if_its_rim_stays(whole: bool) -> None:
     bounds = np.array([[0.0, -1.5, -1.5], [1.5] * 3])
     data, _ = shapes.sphere().sample(4000)
     data = data[data[:, 0] > -0.2] if whole else data[(data[:, 0] > -0.2) & (data[:, 1] > 0.0)]

@@ -15,7 +15,7 @@ from tests.service.points.arrays import BALL, OUTLINE, QUICK, gives, npz, read, 
 
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("name", ["points", "arr_0", "vertices", "Ünit"])
-def test_one_array_of_an_archive_may_have_any_name(name: str, compressed: bool) -> None:  # noqa: FBT001 - of the table
+def test_one_array_of_an_archive_may_have_any_name(name: str, compressed: bool) -> None:
     content = saved({name: BALL}, np.savez_compressed if compressed else np.savez)
     assert gives(read(content, "npz"), BALL[:, :3], BALL[:, 3:])
 

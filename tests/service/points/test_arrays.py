@@ -32,8 +32,8 @@ def test_records_are_read_by_the_names_of_their_fields(
     order: list[int],
     kinds: list[str],
     more: list[tuple[str, str]],
-    upper: bool,  # noqa: FBT001 - drawn
-    archived: bool,  # noqa: FBT001
+    upper: bool,
+    archived: bool,
 ) -> None:
     names = [NAMES[i].upper() if upper else NAMES[i] for i in order]
     made = records(BALL[:, order], names, kinds, more)
@@ -82,7 +82,7 @@ def test_columns_says_what_the_fields_of_records_are() -> None:
 @pytest.mark.parametrize("kind", NUMBERS)
 @pytest.mark.parametrize("d", [2, 3])
 @pytest.mark.parametrize("order", ["C", "F"])
-def test_integers_and_floats_of_either_byte_order_are_read(kind: str, d: int, order: Any) -> None:  # noqa: ANN401
+def test_integers_and_floats_of_either_byte_order_are_read(kind: str, d: int, order: Any) -> None:  # noqa: ANN401 - numpy's own type is a literal
     table = np.round(20.0 * BALL[:, :d] + 30.0).astype(kind)
     assert gives(read(npy(table, order)), table.astype(float))
     assert gives(read(npz(points=table), "npz"), table.astype(float))
@@ -90,7 +90,7 @@ def test_integers_and_floats_of_either_byte_order_are_read(kind: str, d: int, or
 
 @pytest.mark.parametrize("kind", ["<c8", "<c16", ">c16", "|b1", "<U5", "|S5", "<M8[s]", "<m8[s]", "<f16", "|V8", "|O"])
 @pytest.mark.parametrize("archived", [False, True])
-def test_what_is_no_real_number_is_refused(kind: str, archived: bool) -> None:  # noqa: FBT001 - of the table
+def test_what_is_no_real_number_is_refused(kind: str, archived: bool) -> None:
     table = np.zeros((30, 3), dtype=kind)
     error = refused(npz(points=table), "npz") if archived else refused(npy(table))
     assert isinstance(error, MalformedInputError)
@@ -137,7 +137,7 @@ HUGE = [2**31, 2**62, 2**63, 2**64, 10**30]
 )
 @pytest.mark.parametrize("order", [False, True])
 @pytest.mark.parametrize("packed", [False, True])
-def test_a_shape_that_lies_is_refused(shape: tuple[int, ...], order: bool, packed: bool) -> None:  # noqa: FBT001
+def test_a_shape_that_lies_is_refused(shape: tuple[int, ...], order: bool, packed: bool) -> None:
     data = OUTLINE.tobytes()
     for size in (0, len(data)):
         if packed:

@@ -39,7 +39,7 @@ def test_a_value_that_is_no_number_is_shown(value: object) -> None:
 
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
 @pytest.mark.parametrize("packed", [False, True])
-def test_json_with_a_byte_order_mark_is_read(mark: bytes, packed: bool) -> None:  # noqa: FBT001 - of the table
+def test_json_with_a_byte_order_mark_is_read(mark: bytes, packed: bool) -> None:
     array = {"dtype": "<f8", "shape": [20, 2], "data": base64.b64encode(OUTLINE.tobytes()).decode()}
     body = json.dumps({"points": array if packed else OUTLINE.tolist()}).encode()
     assert gives(read(mark + body, "json"), OUTLINE)

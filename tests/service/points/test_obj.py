@@ -24,8 +24,8 @@ OUTLINE = ellipse(20)
     mark=st.sampled_from(["", "﻿"]),
 )
 def test_the_normals_of_a_cloud_in_obj(
-    together: bool,  # noqa: FBT001
-    colours: bool,  # noqa: FBT001
+    together: bool,
+    colours: bool,
     end: str,
     more: list[str],
     mark: str,
@@ -67,7 +67,7 @@ def test_a_vertex_with_several_normals_has_their_mean_and_stays_one() -> None:
 
 
 @pytest.mark.parametrize("with_normals", [False, True])
-def test_obj_in_two_dimensions(with_normals: bool) -> None:  # noqa: FBT001 - of the table
+def test_obj_in_two_dimensions(with_normals: bool) -> None:
     normals = np.eye(2)[[0, 1] * 10]
     content = rows("v", OUTLINE) + (rows("vn", normals) if with_normals else "") + "l 1 2 3\nf 1 2 3\n"
     assert gives(read(content, "obj"), OUTLINE, normals if with_normals else None)

@@ -19,11 +19,11 @@ from tests.service.points.geometry import FACES, QUICK, VERTICES, gives, read, r
 )
 def test_off_with_and_without_faces_normals_and_colours(  # noqa: PLR0913, PLR0917 - drawn
     prefix: str,
-    same_line: bool,  # noqa: FBT001
+    same_line: bool,
     edges: str,
-    comments: bool,  # noqa: FBT001
+    comments: bool,
     end: str,
-    faces: bool,  # noqa: FBT001
+    faces: bool,
 ) -> None:
     normals = VERTICES[::-1]
     table = np.hstack([VERTICES, normals]) if "N" in prefix else VERTICES

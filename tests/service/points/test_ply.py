@@ -102,11 +102,11 @@ def gives(found: ReceivedPoints, points: Array, normals: Array | None = None) ->
 def test_a_cloud_comes_back_whatever_its_properties(  # noqa: PLR0913, PLR0917 - drawn
     data: st.DataObject,
     dimension: int,
-    with_normals: bool,  # noqa: FBT001
+    with_normals: bool,
     form: str,
     more: list[tuple[str, str]],
     faces: list[list[int]] | None,
-    faces_first: bool,  # noqa: FBT001
+    faces_first: bool,
     listed: str | None,
     end: str,
 ) -> None:

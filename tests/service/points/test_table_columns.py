@@ -12,7 +12,7 @@ from tests.service.points.tables import BALL, NAMES, OUTLINE, QUICK, gives, line
 
 @QUICK
 @given(order=st.permutations(range(8)), header=st.booleans())
-def test_columns_decides_whatever_the_header_says(order: list[int], header: bool) -> None:  # noqa: FBT001 - drawn
+def test_columns_decides_whatever_the_header_says(order: list[int], header: bool) -> None:
     table = np.hstack([BALL, np.full((30, 2), 9.0)])[:, order]
     names = ",".join([*NAMES, "_", "_"][i] for i in order)
     rows = ["nx,ny,nz,x,y,z,a,b"] if header else []

@@ -26,11 +26,11 @@ from tests.service.points.tables import BALL, NAMES, OUTLINE, QUICK, gives, line
 )
 def test_any_delimiter_and_line_end_is_read(  # noqa: PLR0913, PLR0917 - drawn
     delimiter: str,
-    header: bool,  # noqa: FBT001
+    header: bool,
     end: str,
-    mark: bool,  # noqa: FBT001
-    last: bool,  # noqa: FBT001
-    indent: bool,  # noqa: FBT001
+    mark: bool,
+    last: bool,
+    indent: bool,
 ) -> None:
     rows = [delimiter.join(NAMES[:3])] if header else []
     rows += lines(BALL[:, :3], delimiter)
@@ -110,7 +110,7 @@ def test_a_number_of_too_many_digits_is_no_count_and_no_index(digits: int) -> No
 @pytest.mark.parametrize("cell", ["", " ", "nan", "NaN", "NA", "n/a", "null", "None", "-", "inf", "-Infinity", "1e999"])
 @pytest.mark.parametrize("row", [0, 3, 19])
 @pytest.mark.parametrize("header", [True, False])
-def test_a_missing_value_is_refused_with_its_line_or_left_out(cell: str, row: int, header: bool) -> None:  # noqa: FBT001
+def test_a_missing_value_is_refused_with_its_line_or_left_out(cell: str, row: int, header: bool) -> None:
     rows = lines(OUTLINE)
     rows[row] = rows[row].split(",")[0] + "," + cell
     if cell.strip() == "" and row == 0 and not header:
