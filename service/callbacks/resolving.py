@@ -5,10 +5,15 @@ import socket
 from contextlib import suppress
 from threading import Semaphore, Thread
 
-# Look-ups at once, of which each has a thread. A name whose servers are silent keeps one for up to a minute, and a
-# client may have four tries of ten seconds: this many is for four clients who have such names alone.
+# Look-ups at once, each in a thread. A try of a callback ends after ten seconds, but the look-up of a name whose
+# servers are silent goes on for up to a minute: the four tries that a client may have at once occupy up to 24 threads.
+# There is room for four such clients.
 MOST_LOOK_UPS = 96
 _free = Semaphore(MOST_LOOK_UPS)
+
+
+class LookUpRefusedError(OSError):
+    """Raised when this process cannot begin another look-up at the moment: nothing is known of the host."""
 
 
 async def resolved(host: str, port: int) -> list[str]:
@@ -20,11 +25,13 @@ async def resolved(host: str, port: int) -> list[str]:
     Raises
     ------
     OSError
-        If there is no such host, nobody answers for it, or too many other look-ups are under way.
+        If there is no such host, or nobody answers for it.
+    LookUpRefusedError
+        If too many other look-ups are under way.
 
     """
     if not _free.acquire(blocking=False):
-        raise OSError("too many look-ups of hosts are under way")
+        raise LookUpRefusedError("too many other hosts were being looked up")
     loop = asyncio.get_running_loop()
     answer: asyncio.Future[list[str]] = loop.create_future()
 
@@ -54,5 +61,5 @@ async def resolved(host: str, port: int) -> list[str]:
         Thread(target=look_up, name=f"resolve {host}", daemon=True).start()
     except RuntimeError as error:
         _free.release()
-        raise OSError(f"no thread could be started: {error}") from error
+        raise LookUpRefusedError("no thread could be started to look up the host") from error
     return await answer

@@ -11,7 +11,7 @@ from time import time
 
 from service.callbacks.addresses import AllowedAddresses
 from service.callbacks.exchange import exchange
-from service.callbacks.resolving import resolved
+from service.callbacks.resolving import LookUpRefusedError, resolved
 from service.callbacks.signature import Signer
 from service.callbacks.target import Target, is_address
 from service.jobs.delivery import Answer, NotDeliveredError
@@ -94,6 +94,8 @@ class HttpSender:
         """
         try:
             found = [target.host] if is_address(target.host) else await self.resolve(target.host, target.port)
+        except LookUpRefusedError as error:
+            raise NotDeliveredError(str(error)) from None
         except OSError as error:
             found, why = [], str(error)
         else:

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from service.callbacks import resolving
 from service.callbacks import sender as module
 from service.callbacks.addresses import AllowedAddresses
 from service.callbacks.resolving import resolved
@@ -219,6 +220,23 @@ def test_a_receiver_that_does_not_answer_is_left(monkeypatch: pytest.MonkeyPatch
     with receiver(held=True) as to:
         assert failure(sender(), to.url) == "the receiver did not answer in time"
         assert len(to.messages) == 1
+
+
+def test_a_host_that_cannot_be_looked_up_now_is_not_said_to_have_no_address(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither when no thread can be started, which leaves the places free, nor when all places are taken."""
+    monkeypatch.setattr(resolving, "_free", threading.Semaphore(1))
+
+    class Refused(threading.Thread):
+        def start(self) -> None:
+            raise RuntimeError("can't start new thread")
+
+    for _ in range(2):
+        with monkeypatch.context() as patched:
+            patched.setattr(resolving, "Thread", Refused)
+            told = failure(sender(), "http://hooks.example/")
+        assert told == "no thread could be started to look up the host"
+    monkeypatch.setattr(resolving, "_free", threading.Semaphore(0))
+    assert failure(sender(), "http://hooks.example/") == "too many other hosts were being looked up"
 
 
 def test_a_name_server_that_does_not_answer_is_left(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,10 +8,11 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import exc, text
 
 from service.jobs.admission import Admission
 from service.jobs.fit import TRANSITIONS, Failure, FitStatus
+from service.store import schema
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
 from tests.service.stores import LIMIT, ME, NOW, add, fit
@@ -153,4 +154,19 @@ def test_commits_are_flushed_to_disk(tmp_path: Path) -> None:
     with engine.connect() as connection:
         assert connection.execute(text("PRAGMA journal_mode")).scalar() == "wal"
         assert connection.execute(text("PRAGMA synchronous")).scalar() == 2  # FULL
+    engine.dispose()
+
+
+def test_writers_of_sqlite_wait_for_others_but_not_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = sqlite_engine(tmp_path / "fits.sqlite")
+    monkeypatch.setattr(schema, "LOCK_SECONDS", 0.2)
+    write = text("DELETE FROM fits")
+    with engine.connect() as first:
+        first.execute(write)
+        with engine.connect() as second:
+            assert not second.execute(text("SELECT id FROM fits")).all()  # readers do not wait
+            with pytest.raises(exc.TimeoutError, match="others have been writing for too long"):
+                second.execute(write)
+    with engine.begin() as third:  # the first has ended, and the second left nothing locked
+        third.execute(write)
     engine.dispose()
