@@ -181,9 +181,6 @@ class FitQueue(Protocol):
 class Reader(Protocol):
     """Reads point sets from the bodies of requests."""
 
-    def uses_worker(self, body: bytes | Path, asked: ReadRequest) -> bool:
-        """Return whether a body is read in a worker, for which it may have to wait."""
-
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read a body, or the file that holds it, and check it.
 

@@ -68,10 +68,6 @@ class FitService:
                 raise
         return admission.allowances(usage, caller.quota)
 
-    def reads_in_worker(self, body: bytes | Path, asked: ReadRequest) -> bool:
-        """Return whether `read` may have to wait for a worker."""
-        return self._reader.uses_worker(body, asked)
-
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read and check the body of a request; nothing is accepted yet."""
         return await self._reader.read(body, asked)

@@ -11,7 +11,7 @@ from multiprocessing.context import ForkServerContext
 # One BLAS thread per worker: the pool already fills the cores, and small products are slower on several threads. The
 # libraries read these variables when they are loaded, so they must be set before numpy is imported.
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-PRELOAD = ["service.workers.tasks", "service.formats.exports", "service.formats.points.reader", "trimesh"]
+PRELOAD = ["service.workers.tasks", "service.formats.exports", "service.formats.points.reader"]
 
 
 def context() -> ForkServerContext:

@@ -111,9 +111,9 @@ async def _accepted(
         with phase(request, "read"):
             return await fits.read(content, asked)
 
-    early = await points_read() if fits.reads_in_worker(content, asked) else None  # for which there is a queue, too
+    large = await points_read() if isinstance(content, Path) else None  # which has a queue of its own
     async with context.turns.taken(caller.client):
-        points = early or await points_read()
+        points = large or await points_read()
         options = requested(points.options, query.model_dump(exclude_unset=True, exclude=NO_OPTIONS))
         options = limits.capped(points.dimension, options)
         plan = fits.plan(points, options)

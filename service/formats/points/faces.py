@@ -67,7 +67,7 @@ def vertex_normals(points: Array, faces: Array) -> Array | None:
         )
     if not np.isfinite(points).all():
         return None
-    from trimesh import Trimesh  # noqa: PLC0415 - takes half a second, which only programs that meet meshes should wait
+    from trimesh import Trimesh  # noqa: PLC0415 - loads for half a second; only who reads a mesh should wait for it
 
     largest = float(np.abs(points).max()) or 1.0  # divided out: products of coordinates may overflow, and normals stay
     mesh = Trimesh(points / largest, faces, process=False, validate=False)

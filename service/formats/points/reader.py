@@ -1,4 +1,4 @@
-"""Reading point sets off the event loop: small tables in a thread, large bodies and all meshes in a worker process."""
+"""Reading point sets off the event loop: a small body in a thread, a large one in a worker process."""
 
 import asyncio
 from dataclasses import dataclass
@@ -6,7 +6,6 @@ from functools import partial
 from pathlib import Path
 
 from service.formats.points import decode
-from service.formats.points.geometry_readers import GEOMETRY_READERS
 from service.jobs.fit import ReceivedPoints
 from service.jobs.ports import Seats, Workers
 from service.jobs.read_request import ReadRequest
@@ -19,7 +18,7 @@ class PointSetReader:
     Attributes
     ----------
     workers, seats
-        Where large bodies and meshes are read, and for how many at once.
+        Where large bodies are read, and for how many at once.
     max_points
         More are refused.
     deadline
@@ -32,15 +31,10 @@ class PointSetReader:
     max_points: int
     deadline: float
 
-    @staticmethod
-    def uses_worker(body: bytes | Path, asked: ReadRequest) -> bool:
-        """Return whether a body is read in a worker, for which it may have to wait."""
-        return isinstance(body, Path) or asked.kind in GEOMETRY_READERS
-
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read and check a body; see `decode.read`."""
         read = partial(decode.read, body, asked.kind, self.max_points, columns=asked.columns, missing=asked.missing)
-        if isinstance(body, bytes) and not self.uses_worker(body, asked):
+        if isinstance(body, bytes):
             return await asyncio.to_thread(read)
         async with self.seats.taken(asked.client):
             points: ReceivedPoints = await self.workers.run(read, deadline=self.deadline)
