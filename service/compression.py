@@ -6,7 +6,7 @@ import zstandard
 
 # Fast levels: an answer is made while its caller waits.
 GZIP_LEVEL, ZSTD_LEVEL = 4, 3
-# The encodings of HTTP, the first that a caller likes best.
+# The encodings of HTTP that are known here; of several that a caller likes equally, the first is taken.
 ENCODINGS = ("zstd", "gzip")
 # Bytes below which compression saves nothing worth its time.
 WORTH_IT = 4096

@@ -2,7 +2,8 @@
 
 Uvicorn's own parser takes a head of any size, adds the trailers of a chunked body to the headers, takes a request with
 two Hosts or with none, and waits for ever for a peer that is silent, sends a byte a minute or does not read. A request
-that breaks a limit here is answered with problem details where that is possible, and its connection is closed.
+that breaks a limit here is answered with problem details where that is possible, and its connection is closed. The
+other parser that uvicorn knows, h11, keeps some of these limits by itself, and takes longer: load/PARSERS.md.
 """
 
 import asyncio
@@ -114,7 +115,10 @@ class GuardedProtocol(RefusingProtocol):
         super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
-        """Take a part of the body: there may be a thousand in a piece, and uvicorn copies all of them with each."""
+        """Keep a part of the body until the piece is parsed.
+
+        A piece may have 700 parts, and with each of them uvicorn copies all that the application has not taken yet.
+        """
         self._pace.received += len(body)
         self._body.append(body)
 
