@@ -14,6 +14,13 @@ from service.jobs.media_types import JSON
 # Bytes up to which a body stays in memory and is read in a thread, in a millisecond or two. A larger one is written to
 # a file and read in a worker process. JSON takes longer, and all other requests wait meanwhile.
 IN_MEMORY_BYTES, IN_MEMORY_BYTES_OF_JSON = 256 * 1024, 64 * 1024
+SMALL_BYTES = 16 * 1024
+
+
+def is_small(request: Request) -> bool:
+    """Return whether the body is announced to be so small that it costs no more to read than to refuse."""
+    announced = request.headers.get("content-length", "")
+    return announced.isdecimal() and int(announced) <= SMALL_BYTES
 
 
 @asynccontextmanager

@@ -14,7 +14,7 @@ _BEARER = HTTPBearer(
 )
 
 
-def caller_of(
+async def caller_of(
     request: Request,
     context: ContextDep,
     credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_BEARER)],

@@ -46,7 +46,7 @@ class Context:
     keys: ApiKeys | None = None
 
 
-def _context(request: Request) -> Context:
+async def _context(request: Request) -> Context:
     context: Context = request.app.state.context
     return context
 

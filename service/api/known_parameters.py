@@ -7,7 +7,7 @@ from fastapi import Request
 from fastapi.exceptions import RequestValidationError
 
 
-def refuse_unknown_parameters(request: Request) -> None:
+async def refuse_unknown_parameters(request: Request) -> None:
     """Refuse a query with a parameter that the operation does not have, or that stands there twice.
 
     A misspelt parameter that is ignored would change the answer unnoticed; of two values, each reader takes another.

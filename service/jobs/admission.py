@@ -83,6 +83,15 @@ class Admission:
     size: int = 2**63
     share: float = 1.0
 
+    def has_much_room(self, usage: Usage) -> bool:
+        """Return whether less than half of the places and of the bytes are taken.
+
+        >>> limits, nobody = Admission(10, size=100), (0, 0.0, 0, 0.0)
+        >>> [limits.has_much_room(Usage(*taken, *nobody)) for taken in ((4, 9.0, 49), (5, 9.0, 0), (0, 0.0, 50))]
+        [True, False, False]
+        """
+        return 2 * usage.waiting < self.places and 2 * usage.size < self.size
+
     def allowances(self, usage: Usage, quota: Quota) -> list[Allowance]:
         """Return what a caller may still send."""
         places = quota.waiting if quota.waiting is not None else max(1, int(self.share * self.places))

@@ -24,8 +24,10 @@ class FitStore(Protocol):
 
     def add(
         self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = (), quota: Quota = NO_QUOTA
-    ) -> Fit:
+    ) -> tuple[Fit, Usage]:
         """Store a new fit with its parts and return it, or return the earlier fit with the same key and payload.
+
+        Return, too, what waited before, and what the caller had of it.
 
         `store_input` is called while no other process can remove the same input. When this returns, the fit and its
         input survive a crash.
@@ -55,8 +57,8 @@ class FitStore(Protocol):
     def listed(self, page: Page, owner: str) -> Sequence[Fit]:
         """Return the fits of a page and an owner, without their results and their parts."""
 
-    def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
-        """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None.
+    def start(self, fit_id: str, holder: LeaseHolder) -> Fit | None:
+        """Set a waiting fit to running, on a lease, and return it with the number of the attempt; else None.
 
         A running fit whose lease has run out counts as waiting: its holder is dead. When its first part starts, the fit
         itself is set to running, too; when its last part has ended, it waits again, to be started itself.

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import ipcore
-from service.jobs.admission import Allowance
+from service.jobs.accepted import Accepted
+from service.jobs.admission import Usage
 from service.jobs.callback_ports import CallbackRules
 from service.jobs.caller import Caller, Quota
 from service.jobs.errors import (
@@ -48,10 +49,13 @@ class FitService:
         self._store, self._blobs, self._queue = store, blobs, queue
         self._reader, self._planner = reader, planner
         self._callbacks, self._split_points = callbacks, split_points
-        self._adding: set[asyncio.Task[tuple[Fit, bool]]] = set()
+        self._adding: set[asyncio.Task[Accepted]] = set()
+        self._roomy = False  # whether there was much room in the queue at the last look
 
-    async def check_room(self, caller: Caller, key: str | None = None) -> list[Allowance]:
-        """Return what the caller may still send, before the body of a request is read.
+    async def check_room(self, caller: Caller, key: str | None = None, *, small: bool = False) -> None:
+        """Refuse a fit before the body of its request is read.
+
+        A small body is read at once while the queue is not even half full: accepting it checks the same.
 
         Raises
         ------
@@ -60,13 +64,15 @@ class FitService:
 
         """
         self._refuse_when_stopping()
-        admission, usage = self._store.admission, await call_store(self._store.usage, caller)
+        if small and self._roomy:
+            return
+        usage = await call_store(self._store.usage, caller)
+        self._roomy = self._store.admission.has_much_room(usage)
         try:
-            admission.check(usage, caller.quota)
+            self._store.admission.check(usage, caller.quota)
         except (QueueFullError, QuotaExceededError):
             if key is None or not await call_store(self._store.has_key, caller.owner, key):
                 raise
-        return admission.allowances(usage, caller.quota)
 
     async def read(self, body: bytes | Path, asked: ReadRequest) -> ReceivedPoints:
         """Read and check the body of a request; nothing is accepted yet."""
@@ -92,10 +98,8 @@ class FitService:
         key: str | None = None,
         *,
         callback: str | None = None,
-    ) -> tuple[Fit, bool]:
+    ) -> Accepted:
         """Store a fit and queue it. When this returns, it survives a crash.
-
-        Return the fit, and whether an earlier call with the same key made it.
 
         Parameters
         ----------
@@ -132,21 +136,23 @@ class FitService:
         adding.add_done_callback(self._added)
         return await asyncio.shield(adding)
 
-    async def _add_and_submit(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> tuple[Fit, bool]:
-        """Store a fit and queue it; return it, and whether it was stored before."""
-        fit = await self._add(new, content, parts, quota)
-        if fit.id != new.id:
-            return fit, True
+    async def _add_and_submit(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> Accepted:
+        """Store a fit and queue it, unless it was stored before."""
+        fit, usage = await self._add(new, content, parts, quota)
+        admission, replayed = self._store.admission, fit.id != new.id
+        self._roomy, allowances = admission.has_much_room(usage), admission.allowances(usage, quota)
+        if replayed:
+            return Accepted(fit, allowances, replayed=True)
         for one in parts or [fit]:
             self._queue.submit(one)
-        return fit, False
+        return Accepted(fit, [one.after_one() for one in allowances])
 
-    def _added(self, adding: asyncio.Task[tuple[Fit, bool]]) -> None:
+    def _added(self, adding: asyncio.Task[Accepted]) -> None:
         self._adding.discard(adding)
         if not adding.cancelled():
             adding.exception()  # nobody else may be left to look at it
 
-    async def _add(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> Fit:
+    async def _add(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> tuple[Fit, Usage]:
         """Store a fit with its input; if that fails, remove the input, which may take the last room on the disk."""
         try:
             return await call_store(self._store.add, new, lambda: self._blobs.put(content, new.input.key), parts, quota)
@@ -166,11 +172,21 @@ class FitService:
             If the store fails.
 
         """
-        fit = await self._get(caller, fit_id)
-        if wait > 0.0 and not fit.status.final:
-            await self._queue.wait(fit_id, wait)
-            fit = await self._get(caller, fit_id)
-        return fit
+        return await self.awaited(caller, await self._get(caller, fit_id), wait)
+
+    async def awaited(self, caller: Caller, fit: Fit, wait: float) -> Fit:
+        """Return a fit as it is when it has ended, or after at most `wait` seconds.
+
+        Raises
+        ------
+        FitNotFoundError, NotReadyError
+            As for `get`: it may be removed meanwhile.
+
+        """
+        if wait <= 0.0 or fit.status.final:
+            return fit
+        await self._queue.wait(fit.id, wait)
+        return await self._get(caller, fit.id)
 
     async def progress(self, fit: Fit) -> list[dict[str, Any]]:
         """Return the degrees that a running fit has tried so far."""

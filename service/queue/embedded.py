@@ -22,7 +22,7 @@ class EmbeddedQueue:
         self._short_only = [False] * seats + [True] * short_seats
         self._queue = FairQueue()
         self._live: dict[str, Fit] = {}  # fits and parts that were submitted and have not ended
-        self._running: dict[str, asyncio.Task[None]] = {}
+        self._running: dict[str, asyncio.Task[bool]] = {}
         self._ended: dict[str, asyncio.Event] = {}  # set when a fit has ended, with its parts
         self._split: set[str] = set()  # fits whose parts are still to be summed; they are not in the queue themselves
         self._tries: dict[str, int] = {}
@@ -146,16 +146,19 @@ class EmbeddedQueue:
                 del self._running[fit_id]
                 self._queue.ended(fit_id)
                 self._changed.set()  # the lane of short fits may now be open to the same client
-            if run.cancelled() or (run.exception() is None and await self._has_ended(fit_id)):
+            if run.cancelled() or (run.exception() is None and await self._has_ended(fit_id, stored=run.result())):
                 self._forget(fit_id)
             else:
                 self._requeue_later(fit_id, run.exception())
 
-    async def _has_ended(self, fit_id: str) -> bool:
-        """Return whether a fit has ended in the store. If not, or if the store fails, it has to run again."""
+    async def _has_ended(self, fit_id: str, *, stored: bool) -> bool:
+        """Return whether a fit has ended in the store. If not, or if the store fails, it has to run again.
+
+        With `stored`, it has ended for certain, but what follows from the end of a part may fail.
+        """
         part = self._live.get(fit_id)
         with suppress(Exception):
-            fit = await asyncio.to_thread(self._store.get, fit_id)
+            fit = None if stored else await asyncio.to_thread(self._store.get, fit_id)
             if fit is not None and not fit.status.final:
                 return False
             if part is not None and part.whole is not None:

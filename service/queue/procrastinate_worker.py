@@ -72,7 +72,7 @@ class ProcrastinateWorker:
         self._app.task(name=TASK, pass_context=True, retry=_RetryUntilEnded(lease))(self._fit)
         upkeep = self._app.task(name="upkeep", queue=UPKEEP_QUEUE, queueing_lock="upkeep", pass_context=True)
         self._app.periodic(cron=UPKEEP)(upkeep(self._upkeep))
-        self._runs: set[asyncio.Task[None]] = set()
+        self._runs: set[asyncio.Task[bool]] = set()
         self._stopped, self._drain_ended = asyncio.Event(), asyncio.Event()
 
     def stop(self) -> None:
@@ -123,7 +123,8 @@ class ProcrastinateWorker:
         self._runs.add(run)
         run.add_done_callback(self._runs.discard)
         try:
-            await run
+            if await run:
+                return
         except asyncio.CancelledError:
             this = asyncio.current_task()
             if this is not None and this.cancelling():  # Procrastinate cancels the job: its fit was dismissed

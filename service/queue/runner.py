@@ -96,10 +96,11 @@ class Runner:
         """Return the degrees tried so far by a fit that runs here."""
         return list(self._steps.get(fit_id, ()))
 
-    async def run(self, fit_id: str, *, short: bool) -> None:
+    async def run(self, fit_id: str, *, short: bool) -> bool:
         """Run one fit to its end, again if its worker dies. When cancelled, kill its worker and release the fit.
 
-        It takes a worker of the lane of short fits, or of the lane of all.
+        It takes a worker of the lane of short fits, or of the lane of all. Return whether the fit has ended here. If
+        not, it may have been dismissed, or another process may hold it.
 
         Raises
         ------
@@ -107,44 +108,45 @@ class Runner:
             If its points cannot be read. It was released, to be run again after `pause` seconds by any process.
 
         """
-        while (attempt := await self._retried(self._store.start, fit_id, self._holder)) is not None:
+        while (fit := await self._retried(self._store.start, fit_id, self._holder)) is not None:
             try:
-                await self._attempt(fit_id, attempt, self._lanes.short if short else self._lanes.any_length)
+                if await self._attempt(fit, self._lanes.short if short else self._lanes.any_length):
+                    return True
             except asyncio.CancelledError:
-                await asyncio.shield(self._release(fit_id, attempt))
+                await asyncio.shield(self._release(fit))
                 raise
             finally:
                 self._steps.pop(fit_id, None)
+        return False
 
-    async def _attempt(self, fit_id: str, attempt: int, workers: Workers) -> None:
-        """Run one attempt and store how it ended."""
-        fit = await self._retried(self._store.get, fit_id)
-        if fit is None:
-            return
+    async def _attempt(self, fit: Fit, workers: Workers) -> bool:
+        """Run one attempt and store how it ended; return whether the fit has ended with it."""
         try:
-            result = await self._while_held(fit, attempt, workers)
+            result = await self._while_held(fit, workers)
         except WorkerCrashedError as error:
-            logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
+            logger.warning("fit %s, attempt %d: %s", fit.id, fit.attempt, error)
             if fit.crashes + 1 < MAX_CRASHES:
-                await self._retried(lambda: self._store.release(fit_id, attempt, crashed=True))
-                return
+                await self._retried(lambda: self._store.release(fit.id, fit.attempt, crashed=True))
+                return False
             failure = Failure("worker-crashed", f"The worker process died {MAX_CRASHES} times.")
         except NotReadyError as error:
-            logger.warning("fit %s, attempt %d: %s", fit_id, attempt, error)
-            if attempt < MAX_AWAY:
-                await self._retried(self._store.release, fit_id, attempt)
+            logger.warning("fit %s, attempt %d: %s", fit.id, fit.attempt, error)
+            if fit.attempt < MAX_AWAY:
+                await self._retried(self._store.release, fit.id, fit.attempt)
                 raise
             failure = Failure("fit-error", f"Given up after {MAX_AWAY} tries: {error}")
         except (DeadlineExceededError, OutOfMemoryError) as error:
             failure = self._limit(error)
         except Exception as error:
-            logger.exception("fit %s failed", fit_id)
+            logger.exception("fit %s failed", fit.id)
             failure = Failure("fit-error", f"{type(error).__name__}: {error}")
         else:
-            if result is not None:
-                await self._retried(self._store.finish, fit_id, attempt, FitStatus.SUCCESSFUL, result, None)
-            return
-        await self._retried(self._store.finish, fit_id, attempt, FitStatus.FAILED, None, failure)
+            return result is not None and await self._ended(fit, FitStatus.SUCCESSFUL, result, None)
+        return await self._ended(fit, FitStatus.FAILED, None, failure)
+
+    async def _ended(self, fit: Fit, status: FitStatus, result: bytes | None, failure: Failure | None) -> bool:
+        """Store the end of a fit; return False if this attempt did not hold it any more."""
+        return await self._retried(self._store.finish, fit.id, fit.attempt, status, result, failure)
 
     def _limit(self, error: DeadlineExceededError | OutOfMemoryError) -> Failure:
         """Return the failure of a fit that was over a limit."""
@@ -152,11 +154,11 @@ class Runner:
             return Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
         return Failure("out-of-memory", str(error))
 
-    async def _while_held(self, fit: Fit, attempt: int, workers: Workers) -> bytes | None:
+    async def _while_held(self, fit: Fit, workers: Workers) -> bytes | None:
         """Return the result; or kill the worker and return None as soon as this attempt does not hold the fit."""
         steps = self._steps.setdefault(fit.id, [])
         work = asyncio.create_task(self._in_worker(fit, steps, workers))
-        keeper = asyncio.create_task(self._keep_lease(fit.id, attempt, steps))
+        keeper = asyncio.create_task(self._keep_lease(fit.id, fit.attempt, steps))
         try:
             await asyncio.wait((work, keeper), return_when=asyncio.FIRST_COMPLETED)
             return work.result() if work.done() else None
@@ -199,10 +201,10 @@ class Runner:
         result: bytes = await workers.run(task, *arguments, deadline=self._deadline, progress=steps.append)
         return result
 
-    async def _release(self, fit_id: str, attempt: int) -> None:
+    async def _release(self, fit: Fit) -> None:
         """Release a fit, with a single try: this process is about to end, and the lease runs out in any case."""
         with suppress(Exception):
-            await asyncio.wait_for(asyncio.to_thread(self._store.release, fit_id, attempt), RELEASE_SECONDS)
+            await asyncio.wait_for(asyncio.to_thread(self._store.release, fit.id, fit.attempt), RELEASE_SECONDS)
 
     async def _retried(self, call: Callable[..., T], *arguments: object) -> T:
         """Call the store until it succeeds, for an hour: a full disk must not lose a fit or its result."""

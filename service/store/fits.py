@@ -1,7 +1,7 @@
 """The fit store in a SQL database, through SQLAlchemy Core."""
 
 from collections.abc import Callable, Iterable, Sequence
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Any
 
 import orjson
@@ -20,6 +20,8 @@ from service.store.input_locks import InputLocks
 from service.store.schema import fits
 from service.store.transitions import NOT_HELD, JobQueue
 
+_INSERT = fits.insert()
+
 
 class SqlFits:
     """The fit store. Every method is one transaction."""
@@ -31,8 +33,8 @@ class SqlFits:
 
     def add(
         self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit] = (), quota: Quota = NO_QUOTA
-    ) -> Fit:
-        """Store a new fit with its parts and its input, unless it was stored before."""
+    ) -> tuple[Fit, Usage]:
+        """Store a new fit with its parts and its input, unless it was stored before; return it, and what waited."""
         try:
             return self._add(fit, store_input, parts, quota)
         except IntegrityError:
@@ -41,21 +43,23 @@ class SqlFits:
             # finds the other fit with this key, which is committed by now
             return self._add(fit, store_input, parts, quota)
 
-    def _add(self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit], quota: Quota) -> Fit:
+    def _add(
+        self, fit: Fit, store_input: Callable[[], object], parts: Sequence[Fit], quota: Quota
+    ) -> tuple[Fit, Usage]:
         with self._inputs.locked(fit.input.key) as connection:
-            earlier = self._earlier(connection, fit)
+            earlier, usage = self._earlier(connection, fit), queries.usage(connection, fit.client, fit.owner)
             if earlier is not None:
-                return earlier
-            self.admission.check(queries.usage(connection, fit.client, fit.owner), quota)
+                return earlier, usage
+            self.admission.check(usage, quota)
             store_input()
-            connection.execute(fits.insert(), [mapping.from_fit(one) for one in (fit, *parts)])
+            connection.execute(_INSERT, [mapping.from_fit(one) for one in (fit, *parts)])
             if fit.owner:
                 acceptances.add(connection, fit.id, fit.owner, transitions.clock(connection))
             outbox.add(connection, fit)
             if self._queue is not None:
                 for one in parts or [fit]:
                     transitions.enqueue(connection, self._queue, one)
-        return fit
+        return fit, usage
 
     def has_key(self, owner: str, key: str) -> bool:
         """Return whether a fit of this owner was stored with an idempotency key."""
@@ -77,27 +81,29 @@ class SqlFits:
         with self._engine.connect() as connection:
             return [mapping.to_fit(row) for row in queries.page(connection, page, owner)]
 
-    def start(self, fit_id: str, holder: LeaseHolder) -> int | None:
-        """Set a waiting fit to running, on a lease, and return the number of the attempt, from 1; else None."""
+    def start(self, fit_id: str, holder: LeaseHolder) -> Fit | None:
+        """Set a waiting fit to running, on a lease, and return it, or None if it does not wait."""
         with self._engine.begin() as connection:
             transitions.lock_whole(connection, fit_id)
             now = transitions.clock(connection)
-            transitions.requeue_abandoned(connection, self._queue, fits.c.id == fit_id, fits.c.lease < now)
-            if connection.execute(select(fits.c.unsummed).where(fits.c.id == fit_id)).scalar():
-                return None
-            values = {
-                "started": now,
-                "holder": holder.name,
-                "lease": now + timedelta(seconds=holder.lease),
-                "progress": None,
-                "attempt": fits.c.attempt + 1,
-            }
-            if not transitions.transition(connection, self._queue, fit_id, FitStatus.RUNNING, values):
-                return None
-            fit = mapping.to_fit(connection.execute(select(fits).where(fits.c.id == fit_id)).one())
-            if fit.whole is not None:
+            if not self._started(connection, fit_id, holder, now):
+                abandoned = (fits.c.id == fit_id, fits.c.lease < now)
+                if not transitions.requeue_abandoned(connection, self._queue, *abandoned):
+                    return None
+                if not self._started(connection, fit_id, holder, now):
+                    return None
+            fit = queries.fit(connection, fit_id)
+            if fit is not None and fit.whole is not None:
                 transitions.transition(connection, self._queue, fit.whole, FitStatus.RUNNING, {"started": now})
-            return fit.attempt
+            return fit
+
+    def _started(self, connection: Connection, fit_id: str, holder: LeaseHolder, now: datetime) -> bool:
+        """Set an accepted fit to running, unless it waits for its parts; return whether it was set."""
+        lease = {"holder": holder.name, "lease": now + timedelta(seconds=holder.lease)}
+        values = {"started": now, "progress": None, **lease}
+        more = {"attempt": 1}
+        running = FitStatus.RUNNING
+        return transitions.transition(connection, self._queue, fit_id, running, values, more=more, summed=True)
 
     def renew(self, fit_id: str, attempt: int, lease: float) -> bool:
         """Prolong the lease, if this attempt still holds the fit; return whether it does."""
@@ -117,20 +123,21 @@ class SqlFits:
 
     def release(self, fit_id: str, attempt: int, *, crashed: bool = False) -> bool:
         """Set a fit back to accepted, if this attempt still holds it; with `crashed`, count a crash."""
-        values = {"started": None, "progress": None, "crashes": fits.c.crashes + int(crashed), **NOT_HELD}
+        values, more = {"started": None, "progress": None, **NOT_HELD}, {"crashes": int(crashed)}
         with self._engine.begin() as connection:
-            return transitions.transition(connection, self._queue, fit_id, FitStatus.ACCEPTED, values, attempt)
+            back = FitStatus.ACCEPTED
+            return transitions.transition(connection, self._queue, fit_id, back, values, more=more, attempt=attempt)
 
     def finish(
         self, fit_id: str, attempt: int, status: FitStatus, result: bytes | None, failure: Failure | None
     ) -> bool:
         """Set a fit to a final status with its result or failure, if this attempt still holds it."""
         reason = None if failure is None else orjson.dumps(failure)
-        size = fits.c.size + len(result or b"")
+        more = {"size": len(result or b"")}
         with self._engine.begin() as connection:
             transitions.lock_whole(connection, fit_id)
-            values = {"result": result, "failure": reason, "size": size, "finished": transitions.clock(connection)}
-            return transitions.transition(connection, self._queue, fit_id, status, values | NOT_HELD, attempt)
+            values = {"result": result, "failure": reason, "finished": transitions.clock(connection), **NOT_HELD}
+            return transitions.transition(connection, self._queue, fit_id, status, values, more=more, attempt=attempt)
 
     def sums(self, fit_id: str) -> list[bytes]:
         """Return the results of the parts of a fit, in the order of their slices."""
@@ -211,10 +218,9 @@ class SqlFits:
         """Return the fit that was stored with the same key, if this one has a key."""
         if fit.key is None:
             return None
-        key = mapping.stored_key(fit.owner, fit.key)
-        row = connection.execute(select(fits).where(fits.c.key == key)).one_or_none()
-        if row is not None and row.payload != fit.payload:
+        earlier = queries.fit_of_key(connection, mapping.stored_key(fit.owner, fit.key))
+        if earlier is not None and earlier.payload != fit.payload:
             raise KeyReusedError(
                 "this Idempotency-Key came before, with another point set, other options or another callback"
             )
-        return None if row is None else mapping.to_fit(row)
+        return earlier

@@ -6,23 +6,42 @@ from datetime import timedelta
 from typing import Any
 
 import orjson
-from sqlalchemy import ColumnElement, Connection, Row, case, func, null, select
+from sqlalchemy import ColumnElement, Connection, Row, bindparam, case, func, null, select
 
 from service.jobs.admission import Usage
 from service.jobs.fit import Fit, FitStatus
 from service.jobs.page import Page
 from service.store import acceptances, mapping, outbox
-from service.store.schema import fits
+from service.store.schema import callbacks, fits
 from service.store.transitions import clock
 
 _WHOLE = func.coalesce(fits.c.whole, fits.c.id)  # of a part its fit, of a fit itself
 ENDED = [status for status in FitStatus if status.final]
+# As in `transitions`, built once.
+_FITS = select(fits, *outbox.CALLBACK_COLUMNS).outerjoin(callbacks, callbacks.c.fit == fits.c.id)
+_BY_ID, _BY_KEY = _FITS.where(fits.c.id == bindparam("fit")), _FITS.where(fits.c.key == bindparam("stored_key"))
+_MINE = fits.c.client == bindparam("client")
+_USAGE = select(
+    func.count(_WHOLE.distinct()),
+    func.sum(fits.c.cost),
+    func.sum(fits.c.size),
+    func.count(case((_MINE, _WHOLE)).distinct()),
+    func.sum(case((_MINE, fits.c.cost), else_=0.0)),
+).where(*mapping.queued())
 
 
 def fit(connection: Connection, fit_id: str) -> Fit | None:
     """Return a fit with its callback, or None."""
-    row = connection.execute(select(fits).where(fits.c.id == fit_id)).one_or_none()
-    return None if row is None else replace(mapping.to_fit(row), callback=outbox.of_fit(connection, fit_id))
+    return _with_callback(connection.execute(_BY_ID, {"fit": fit_id}).one_or_none())
+
+
+def fit_of_key(connection: Connection, key: str) -> Fit | None:
+    """Return the fit with this idempotency key, as it is stored, with its callback; or None."""
+    return _with_callback(connection.execute(_BY_KEY, {"stored_key": key}).one_or_none())
+
+
+def _with_callback(row: Row[Any] | None) -> Fit | None:
+    return None if row is None else replace(mapping.to_fit(row), callback=outbox.of_row(row))
 
 
 def count_waiting(connection: Connection) -> int:
@@ -32,10 +51,7 @@ def count_waiting(connection: Connection) -> int:
 
 def usage(connection: Connection, client: str, owner: str) -> Usage:
     """Return what waits, and what a client has of it; of an owner's fits, how many were accepted in an hour."""
-    mine = fits.c.client == client
-    own_whole, own_cost = case((mine, _WHOLE)), case((mine, fits.c.cost), else_=0.0)
-    sums = [func.sum(fits.c.cost), func.sum(fits.c.size), func.count(own_whole.distinct()), func.sum(own_cost)]
-    waiting = connection.execute(select(func.count(_WHOLE.distinct()), *sums).where(*mapping.queued())).one()
+    waiting = connection.execute(_USAGE, {"client": client}).one()
     recent, age = acceptances.recent(connection, owner, clock(connection)) if owner else (0, 0.0)
     count_all, seconds, size, own, own_seconds = (value or 0 for value in waiting)
     return Usage(int(count_all), float(seconds), int(size), int(own), float(own_seconds), recent, age)

@@ -1,11 +1,13 @@
 """The transitions of fits in the database. Each names the statuses it may start from, in its WHERE clause."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime, timedelta
+from functools import cache
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import orjson
-from sqlalchemy import ColumnElement, Connection, func, select, update
+from sqlalchemy import ColumnElement, Connection, Update, bindparam, func, select, update
 
 from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, sources
 from service.store import mapping, outbox
@@ -13,6 +15,10 @@ from service.store.schema import Moment, fits
 
 # The columns of a fit that no process holds.
 NOT_HELD: dict[str, Any] = {"holder": None, "lease": None}
+# Statements that every fit needs are built once: that takes as long as to execute them.
+_WHOLE = select(fits.c.whole).where(fits.c.id == bindparam("fit")).scalar_subquery()
+_LOCK_WHOLE = select(fits.c.id).where(fits.c.id == _WHOLE).with_for_update()
+_FAMILY = select(fits.c.parts, fits.c.whole).where(fits.c.id == bindparam("fit"))
 
 
 class JobQueue(Protocol):
@@ -80,41 +86,62 @@ def enqueue(connection: Connection, queue: JobQueue, fit: Fit, **values: object)
     connection.execute(update(fits).where(fits.c.id == fit.id).values(job=job, **values))
 
 
-def transition(  # noqa: PLR0913, PLR0917 - where, which, to what, and the other changes
+def transition(  # noqa: PLR0913 - where, which, to what, and the other changes
     connection: Connection,
     queue: JobQueue | None,
     fit_id: str,
     target: FitStatus,
-    values: dict[str, Any],
+    values: Mapping[str, Any],
+    *,
+    more: Mapping[str, int] = MappingProxyType({}),
     attempt: int | None = None,
+    summed: bool = False,
 ) -> bool:
     """Set a fit to `target` and change other columns, if the table of transitions allows it; return whether it does.
 
-    With `attempt`, only if that is the latest attempt.
+    With `attempt`, only if that is the latest attempt; with `summed`, only if it does not wait for its parts. Columns
+    in `more` grow by their numbers.
     """
-    where = [fits.c.id == fit_id, fits.c.status.in_(sources(target))]
-    if attempt is not None:
-        where.append(fits.c.attempt == attempt)
-    done = mapping.update_where(connection, where, status=target, touched=clock(connection), **values)
+    statement = _changing(target, frozenset(values), frozenset(more), held=attempt is not None, summed=summed)
+    given = {"fit": fit_id, "held": attempt, "now": clock(connection)}
+    given |= {f"new_{name}": value for name, value in values.items()}
+    given |= {f"more_{name}": number for name, number in more.items()}
+    done = bool(connection.execute(statement, given).rowcount)
     if done and target.final:
         _after_end(connection, queue, fit_id, target, values)
     return done
+
+
+@cache
+def _changing(target: FitStatus, names: frozenset[str], more: frozenset[str], *, held: bool, summed: bool) -> Update:
+    """Return the statement of a transition that sets the columns `names` and adds to the columns `more`."""
+    where = [fits.c.id == bindparam("fit"), fits.c.status.in_(sources(target))]
+    if held:
+        where.append(fits.c.attempt == bindparam("held"))
+    if summed:
+        where.append(fits.c.unsummed == 0)
+    values: dict[str, Any] = {"status": target, "touched": bindparam("now")}
+    values |= {name: bindparam(f"new_{name}") for name in names}
+    values |= {name: fits.c[name] + bindparam(f"more_{name}") for name in more}
+    return update(fits).where(*where).values(values)
 
 
 def lock_whole(connection: Connection, fit_id: str) -> None:
     """If a fit is a part of another one, lock that other one until the transaction ends.
 
     Every transaction that changes both locks the whole before the part, so that two of them never wait for each other.
+    SQLite lets only one transaction write at a time.
     """
-    whole = select(fits.c.whole).where(fits.c.id == fit_id).scalar_subquery()
-    connection.execute(select(fits.c.id).where(fits.c.id == whole).with_for_update())
+    if connection.dialect.name == "sqlite":
+        return
+    connection.execute(_LOCK_WHOLE, {"fit": fit_id})
 
 
 def _after_end(
-    connection: Connection, queue: JobQueue | None, fit_id: str, target: FitStatus, values: dict[str, Any]
+    connection: Connection, queue: JobQueue | None, fit_id: str, target: FitStatus, values: Mapping[str, Any]
 ) -> None:
     """Do what follows from the end of a fit or a part, in the same transaction."""
-    fit = connection.execute(select(fits.c.parts, fits.c.whole).where(fits.c.id == fit_id)).one()
+    fit = connection.execute(_FAMILY, {"fit": fit_id}).one()
     if fit.parts:
         _remove_parts(connection, queue, fit_id)
     if fit.whole is None:

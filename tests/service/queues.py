@@ -102,7 +102,7 @@ class Bench:
         return Fit(name, FitStatus.ACCEPTED, given, RequestedOptions({}), datetime.now(UTC), client, cost)
 
     def submit(self, name: str, client: str = "", cost: float = LONG, **orders: Any) -> None:  # noqa: ANN401 - any
-        self.queue.submit(self.store.add(self.new_fit(name, orders, client, cost), list))
+        self.queue.submit(self.store.add(self.new_fit(name, orders, client, cost), list)[0])
 
     def submit_split(self, name: str, orders: dict[str, Any], cost: float = LONG) -> None:
         """Submit a fit of three parts."""

@@ -25,7 +25,13 @@ def fit(fit_id: str = "one", blob: str = "b10b", created: datetime = NOW, **more
 
 
 def add(store: SqlFits, new: Fit) -> Fit:
-    return store.add(new, list)
+    return store.add(new, list)[0]
+
+
+def start(store: SqlFits, fit_id: str, holder: LeaseHolder) -> int | None:
+    """Start a fit and return the number of the attempt, or None."""
+    started = store.start(fit_id, holder)
+    return None if started is None else started.attempt
 
 
 def jobs(engine: Engine) -> list[str]:

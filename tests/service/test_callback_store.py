@@ -15,7 +15,7 @@ from service.jobs.parts import split
 from service.jobs.slices import Frame
 from service.store.callbacks import SqlCallbacks
 from service.store.fits import SqlFits
-from tests.service.stores import ME, fit
+from tests.service.stores import ME, fit, start
 
 HOOK = Callback("https://Hooks.example:8443/a?b=c")
 DELIVERED = Outcome(CallbackState.DELIVERED)
@@ -43,7 +43,7 @@ def rows(store: SqlFits) -> list[str]:
 def ended(store: SqlFits, name: str = "one", url: str = HOOK.url, client: str = "") -> None:
     """Add a fit with a callback, and end it."""
     store.add(fit(name, callback=Callback(url), client=client), list)
-    store.start(name, ME)
+    start(store, name, ME)
     assert store.finish(name, 1, FitStatus.SUCCESSFUL, b"{}", None)
 
 
@@ -61,16 +61,16 @@ def shown(store: SqlFits, name: str = "one") -> Callback | None:
 
 def die_again_and_again(store: SqlFits) -> None:
     for _ in range(MAX_ABANDONED):
-        store.start("one", ME)
+        start(store, "one", ME)
         store.recover()
 
 
 @pytest.mark.parametrize(
     ("end", "status"),
     [
-        (lambda store: store.finish("one", store.start("one", ME), FitStatus.SUCCESSFUL, b"{}", None), "successful"),
+        (lambda store: store.finish("one", start(store, "one", ME), FitStatus.SUCCESSFUL, b"{}", None), "successful"),
         (
-            lambda store: store.finish("one", store.start("one", ME), FitStatus.FAILED, None, Failure("a", "b")),
+            lambda store: store.finish("one", start(store, "one", ME), FitStatus.FAILED, None, Failure("a", "b")),
             "failed",
         ),
         (lambda store: store.dismiss("one"), "dismissed"),
@@ -99,13 +99,19 @@ def test_a_fit_without_one_makes_nothing_due(store: SqlFits, callbacks: SqlCallb
     assert rows(store) == []
 
 
+def test_a_request_that_is_repeated_finds_the_callback_of_the_first(store: SqlFits) -> None:
+    store.add(fit(callback=HOOK, key="again", payload="same"), list)
+    again, _ = store.add(fit("two", callback=HOOK, key="again", payload="same"), list)
+    assert (again.id, again.callback) == ("one", HOOK)
+
+
 def test_a_fit_in_parts_has_one_callback(store: SqlFits, callbacks: SqlCallbacks) -> None:
     whole, parts = split(fit(callback=HOOK), Frame((0.0, 0.0, 0.0), 1.0), 50)
     store.add(whole, list, parts)
     assert rows(store) == ["one"]
     for one in (*parts, whole):
         assert callbacks.take_due((), (), 60.0) is None
-        assert store.start(one.id, ME) == 1
+        assert start(store, one.id, ME) == 1
         assert store.finish(one.id, 1, FitStatus.SUCCESSFUL, b"{}", None)
     assert taken(callbacks).status is FitStatus.SUCCESSFUL
     assert callbacks.take_due((), (), 60.0) is None
@@ -114,7 +120,7 @@ def test_a_fit_in_parts_has_one_callback(store: SqlFits, callbacks: SqlCallbacks
 def test_a_fit_that_fails_with_a_part_has_one_too(store: SqlFits, callbacks: SqlCallbacks) -> None:
     whole, parts = split(fit(callback=HOOK), Frame((0.0, 0.0, 0.0), 1.0), 50)
     store.add(whole, list, parts)
-    store.start(parts[1].id, ME)
+    start(store, parts[1].id, ME)
     assert store.finish(parts[1].id, 1, FitStatus.FAILED, None, Failure("a", "b"))
     assert (taken(callbacks).status, callbacks.take_due((), (), 60.0)) == (FitStatus.FAILED, None)
 

@@ -15,7 +15,7 @@ from service.jobs.fit import TRANSITIONS, Failure, FitStatus
 from service.store import schema
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
-from tests.service.stores import LIMIT, ME, NOW, add, fit
+from tests.service.stores import LIMIT, ME, NOW, add, fit, start
 
 
 def bring(store: SqlFits, status: FitStatus) -> None:
@@ -24,7 +24,7 @@ def bring(store: SqlFits, status: FitStatus) -> None:
     if status is FitStatus.DISMISSED:
         store.dismiss("one")
     elif status is not FitStatus.ACCEPTED:
-        store.start("one", ME)
+        start(store, "one", ME)
     if status in (FitStatus.SUCCESSFUL, FitStatus.FAILED):
         store.finish("one", 1, status, None, None)
 
@@ -37,7 +37,7 @@ def test_what_was_added_comes_back(store: SqlFits) -> None:
 
 def test_a_successful_life(store: SqlFits) -> None:
     add(store, fit())
-    assert store.start("one", ME) == 1
+    assert start(store, "one", ME) == 1
     assert store.finish("one", 1, FitStatus.SUCCESSFUL, b"{}", None)
     found = store.get("one")
     assert found is not None
@@ -58,7 +58,7 @@ def test_a_failure_comes_back(store: SqlFits) -> None:
 
 
 ACTIONS: list[tuple[FitStatus, Callable[[SqlFits], object]]] = [
-    (FitStatus.RUNNING, lambda store: store.start("one", ME)),
+    (FitStatus.RUNNING, lambda store: start(store, "one", ME)),
     (FitStatus.ACCEPTED, lambda store: store.release("one", 1)),
     (FitStatus.SUCCESSFUL, lambda store: store.finish("one", 1, FitStatus.SUCCESSFUL, b"{}", None)),
     (FitStatus.FAILED, lambda store: store.finish("one", 1, FitStatus.FAILED, None, Failure("a", "b"))),
@@ -84,7 +84,7 @@ def test_every_move_is_made_if_legal_and_changes_nothing_if_not(
 def test_only_the_attempt_that_holds_a_fit_may_end_it(store: SqlFits) -> None:
     bring(store, FitStatus.RUNNING)
     assert store.release("one", 1)
-    assert store.start("one", ME) == 2
+    assert start(store, "one", ME) == 2
     assert not store.finish("one", 1, FitStatus.SUCCESSFUL, b"stale", None)
     assert not store.release("one", 1)
     assert store.finish("one", 2, FitStatus.SUCCESSFUL, b"fresh", None)
@@ -96,14 +96,14 @@ def test_only_the_attempt_that_holds_a_fit_may_end_it(store: SqlFits) -> None:
 def test_of_many_who_start_a_fit_one_does(store: SqlFits) -> None:
     add(store, fit())
     with ThreadPoolExecutor(8) as threads:
-        started = list(threads.map(lambda _: store.start("one", ME), range(32)))
+        started = list(threads.map(lambda _: start(store, "one", ME), range(32)))
     assert [attempt for attempt in started if attempt is not None] == [1]
 
 
 def test_those_that_wait_stand_in_line(store: SqlFits) -> None:
     for i, name in enumerate(["c", "a", "b"]):
         add(store, fit(name, created=NOW + timedelta(seconds=i)))
-    store.start("a", ME)
+    start(store, "a", ME)
     assert [one.id for one in store.waiting()] == ["c", "b"]
 
 
@@ -127,7 +127,7 @@ def test_old_fits_and_the_oldest_beyond_a_size_are_outdated(store: SqlFits) -> N
     for name in ("a", "b", "c", "live"):
         add(store, fit(name))
     for name in ("a", "b", "c"):
-        store.start(name, ME)
+        start(store, name, ME)
         store.finish(name, 1, FitStatus.SUCCESSFUL, bytes(500), None)
     assert store.outdated(60.0, 4500) == []
     assert store.outdated(60.0, 4499) == ["a"]

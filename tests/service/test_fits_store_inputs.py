@@ -8,7 +8,7 @@ import pytest
 from service.jobs.errors import KeyReusedError, QueueFullError
 from service.jobs.fit import FitStatus
 from service.store.fits import SqlFits
-from tests.service.stores import LIMIT, ME, add, fit
+from tests.service.stores import LIMIT, ME, add, fit, start
 
 
 def test_an_input_goes_with_the_last_fit_that_has_it(store: SqlFits) -> None:
@@ -49,7 +49,7 @@ def test_an_input_is_not_discarded_while_a_fit_with_it_is_on_its_way(store: SqlF
 def test_a_key_gets_the_fit_that_it_came_with_first_and_no_other_payload(store: SqlFits) -> None:
     first = add(store, fit("a", key="k", payload="p"))
     assert add(store, fit("b", key="k", payload="p")) == first
-    store.start("a", ME)
+    start(store, "a", ME)
     again = add(store, fit("c", key="k", payload="p"))
     assert (again.id, again.status) == ("a", FitStatus.RUNNING)
     with pytest.raises(KeyReusedError):
@@ -75,7 +75,7 @@ def test_no_more_wait_than_may_and_those_with_a_known_key_are_still_answered(sto
     assert not kept
     assert full.value.retry_after == pytest.approx(12.0)
     assert add(store, fit("again", key="3", payload="p")).id == "3"
-    store.start("0", ME)
+    start(store, "0", ME)
     add(store, fit("more"))
 
 

@@ -12,26 +12,26 @@ from service.jobs.fit import MAX_ABANDONED, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
-from tests.service.stores import LIMIT, ME, OTHER, add, fit, jobs
+from tests.service.stores import LIMIT, ME, OTHER, add, fit, jobs, start
 
 
 def test_recovery_puts_the_interrupted_back_in_line(store: SqlFits) -> None:
     for name in ("a", "b", "c"):
         add(store, fit(name))
-    store.start("a", ME)
-    store.start("b", ME)
+    start(store, "a", ME)
+    start(store, "b", ME)
     store.finish("b", 1, FitStatus.SUCCESSFUL, b"{}", None)
     assert store.recover() == 1
     assert [one.id for one in store.waiting()] == ["a", "c"]
-    assert store.start("a", ME) == 2
+    assert start(store, "a", ME) == 2
 
 
 def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
     add(store, fit())
-    assert store.start("one", LeaseHolder("me", 0.5)) == 1
-    assert store.start("one", OTHER) is None
+    assert start(store, "one", LeaseHolder("me", 0.5)) == 1
+    assert start(store, "one", OTHER) is None
     time.sleep(0.6)
-    assert store.start("one", OTHER) == 2
+    assert start(store, "one", OTHER) == 2
     assert not store.renew("one", 1, 60.0)
     assert not store.report("one", 1, [{"degree": 1}])
     assert not store.finish("one", 1, FitStatus.SUCCESSFUL, b"stale", None)
@@ -41,27 +41,27 @@ def test_a_lease_that_ran_out_lets_another_take_over(store: SqlFits) -> None:
 
 def test_of_many_who_take_a_fit_over_one_does(store: SqlFits) -> None:
     add(store, fit())
-    store.start("one", LeaseHolder("dead", 0.0))
+    start(store, "one", LeaseHolder("dead", 0.0))
     time.sleep(0.01)
     with ThreadPoolExecutor(8) as threads:
-        started = list(threads.map(lambda _: store.start("one", OTHER), range(32)))
+        started = list(threads.map(lambda _: start(store, "one", OTHER), range(32)))
     assert [attempt for attempt in started if attempt is not None] == [2]
 
 
 def test_a_renewed_lease_holds(store: SqlFits) -> None:
     add(store, fit())
-    store.start("one", LeaseHolder("me", 0.05))
+    start(store, "one", LeaseHolder("me", 0.05))
     assert store.renew("one", 1, 60.0)
     time.sleep(0.1)
-    assert store.start("one", OTHER) is None
+    assert start(store, "one", OTHER) is None
 
 
 def test_a_fit_that_outlives_too_many_supervisors_fails(store: SqlFits) -> None:
     add(store, fit())
     for attempt in range(1, MAX_ABANDONED + 1):
-        assert store.start("one", LeaseHolder("me", 0.0)) == attempt
+        assert start(store, "one", LeaseHolder("me", 0.0)) == attempt
         time.sleep(0.01)
-    assert store.start("one", ME) is None
+    assert start(store, "one", ME) is None
     found = store.get("one")
     assert found is not None
     assert found.failure is not None
@@ -71,7 +71,7 @@ def test_a_fit_that_outlives_too_many_supervisors_fails(store: SqlFits) -> None:
 def test_crashes_are_counted_and_releases_are_not(store: SqlFits) -> None:
     add(store, fit())
     for attempt, crashed in enumerate([False, True, False, True], start=1):
-        store.start("one", ME)
+        start(store, "one", ME)
         assert store.release("one", attempt, crashed=crashed)
     found = store.get("one")
     assert found is not None
@@ -114,7 +114,7 @@ def test_a_job_that_a_wrong_clock_put_off_is_replaced(shared: SqlFits, database:
 def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: SqlFits, database: Engine) -> None:
     for name in ("lost", "waits", "runs", "ended"):
         add(shared, fit(name))
-    shared.start("runs", ME)
+    start(shared, "runs", ME)
     shared.dismiss("ended")
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed' WHERE args->>'fit_id' <> 'waits'"))

@@ -10,6 +10,7 @@ from service.jobs.fit import FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.queue.runner import MAX_AWAY
 from tests.service.queues import Bench, run
+from tests.service.stores import start
 
 
 def test_fits_are_run_and_end_as_they_should(tmp_path: Path) -> None:
@@ -195,7 +196,7 @@ def test_a_fit_whose_lease_was_lost_is_given_up_and_taken_over_when_the_other_is
         b.submit("next")
         await b.until("one", FitStatus.RUNNING)
         b.store.recover()  # as if somebody else had taken it for dead
-        assert b.store.start("one", LeaseHolder("other", 2.0)) == 2
+        assert start(b.store, "one", LeaseHolder("other", 2.0)) == 2
         assert (await b.ended("next")).status is FitStatus.SUCCESSFUL
         one = await b.ended("one")
         assert (one.status.final, one.attempt) == (True, 3)  # a worker that must first start may be over its deadline
@@ -227,7 +228,7 @@ def test_a_fit_whose_points_stay_away_fails_in_the_end(tmp_path: Path) -> None:
         fit = b.new_fit("one", {"away": "/"})
         b.store.add(fit, list)
         for attempt in range(1, MAX_AWAY):
-            assert b.store.start("one", LeaseHolder("me", 60.0)) == attempt
+            assert start(b.store, "one", LeaseHolder("me", 60.0)) == attempt
             assert b.store.release("one", attempt)
         b.queue.submit(fit)
         failure = (await b.ended("one")).failure

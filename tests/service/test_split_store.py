@@ -15,7 +15,7 @@ from service.jobs.parts import split
 from service.jobs.slices import Frame, Slice
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
-from tests.service.stores import LIMIT, ME, OTHER, fit, jobs
+from tests.service.stores import LIMIT, ME, OTHER, fit, jobs, start
 
 FRAME = Frame((0.1, 1.0 / 3.0, -1e-17), 0.7000000000000001)
 PARTS = ["one-00000", "one-00001", "one-00002"]
@@ -24,7 +24,7 @@ WHY = Failure("fit-error", "why")
 
 def add_split(store: SqlFits, name: str = "one", most: int = 40) -> Fit:
     whole, parts = split(fit(name, cost=3.0), FRAME, most)
-    return store.add(whole, list, parts)
+    return store.add(whole, list, parts)[0]
 
 
 def now(store: SqlFits, name: str = "one") -> Fit:
@@ -45,14 +45,14 @@ def test_the_parts_are_in_line_and_the_fit_is_not_until_the_last_has_ended(store
     assert add_split(store).unsummed == 3
     assert names(store) == PARTS
     assert now(store, PARTS[1]).slice == Slice(33, 66, FRAME)  # to the last bit
-    assert store.start("one", ME) is None
-    assert [store.start(part, ME) for part in PARTS] == [1, 1, 1]
+    assert start(store, "one", ME) is None
+    assert [start(store, part, ME) for part in PARTS] == [1, 1, 1]
     assert now(store).status is FitStatus.RUNNING
     for i in (2, 0, 1):
-        assert store.start("one", ME) is None
+        assert start(store, "one", ME) is None
         assert end(store, PARTS[i], result=f"sums {i}".encode())
     assert (now(store).status, now(store).unsummed, names(store)) == (FitStatus.ACCEPTED, 0, ["one"])
-    assert store.start("one", ME) == 1
+    assert start(store, "one", ME) == 1
     assert store.sums("one") == [b"sums 0", b"sums 1", b"sums 2"]
     assert end(store, "one", result=b"{}")
     assert [store.get(part) for part in PARTS] == [None] * 3
@@ -61,15 +61,15 @@ def test_the_parts_are_in_line_and_the_fit_is_not_until_the_last_has_ended(store
 
 def test_a_part_counts_once_and_only_for_the_attempt_that_holds_it(store: SqlFits) -> None:
     add_split(store)
-    store.start(PARTS[0], LeaseHolder("me", 0.0))
+    start(store, PARTS[0], LeaseHolder("me", 0.0))
     time.sleep(0.01)
-    assert store.start(PARTS[0], OTHER) == 2
+    assert start(store, PARTS[0], OTHER) == 2
     assert not end(store, PARTS[0], 1, b"stale")
     assert now(store).unsummed == 3
     assert end(store, PARTS[0], 2, b"fresh")
     assert not end(store, PARTS[0], 2, b"again")
     assert (now(store).unsummed, store.sums("one")) == (2, [b"fresh"])
-    assert store.start(PARTS[0], OTHER) is None
+    assert start(store, PARTS[0], OTHER) is None
 
 
 def test_of_parts_that_end_at_the_same_time_one_is_the_last(store: SqlFits) -> None:
@@ -77,11 +77,11 @@ def test_of_parts_that_end_at_the_same_time_one_is_the_last(store: SqlFits) -> N
     parts = names(store)
     assert len(parts) == 20
     with ThreadPoolExecutor(8) as threads:
-        assert list(threads.map(lambda part: store.start(part, ME), parts)) == [1] * 20
+        assert list(threads.map(lambda part: start(store, part, ME), parts)) == [1] * 20
         assert all(threads.map(lambda part: end(store, part), parts))
     assert names(store) == ["one"]
     with ThreadPoolExecutor(8) as threads:
-        started = list(threads.map(lambda _: store.start("one", ME), range(16)))
+        started = list(threads.map(lambda _: start(store, "one", ME), range(16)))
     assert [attempt for attempt in started if attempt is not None] == [1]
 
 
@@ -90,7 +90,7 @@ def test_many_who_start_end_and_dismiss_at_the_same_time_do_not_block_each_other
         add_split(store, f"{i}", most=10)
 
     def live(part: str) -> None:
-        if attempt := store.start(part, ME):
+        if attempt := start(store, part, ME):
             end(store, part, attempt)
 
     with ThreadPoolExecutor(12) as threads:
@@ -116,7 +116,7 @@ def test_with_the_fit_its_parts_go(store: SqlFits, how: str) -> None:
     add_split(store)
     add_split(store, "other")
     for part in PARTS[:2]:
-        store.start(part, ME)
+        start(store, part, ME)
     assert ENDS[how](store)
     assert now(store).status == how
     assert now(store).failure == (WHY if how == "failed" else None)
@@ -131,9 +131,9 @@ def test_with_the_fit_its_parts_go(store: SqlFits, how: str) -> None:
 def test_a_part_that_outlives_too_many_supervisors_fails_its_fit(store: SqlFits) -> None:
     add_split(store)
     for attempt in range(1, MAX_ABANDONED + 1):
-        assert store.start(PARTS[0], LeaseHolder("me", 0.0)) == attempt
+        assert start(store, PARTS[0], LeaseHolder("me", 0.0)) == attempt
         time.sleep(0.01)
-    assert store.start(PARTS[0], ME) is None
+    assert start(store, PARTS[0], ME) is None
     failure = now(store).failure
     assert failure is not None
     assert failure.kind == "worker-crashed"
@@ -144,14 +144,14 @@ def test_recovery_puts_parts_and_rests_back_in_line_and_keeps_what_was_summed(st
     add_split(store)
     add_split(store, "two", most=100)  # of one part
     for part in (*PARTS[:2], "two-00000"):
-        store.start(part, ME)
+        start(store, part, ME)
     end(store, PARTS[0])
     end(store, "two-00000")
-    store.start("two", ME)
+    start(store, "two", ME)
     assert store.recover() == 2
     assert names(store) == [*PARTS[1:], "two"]
     assert (now(store).status, now(store).unsummed) == (FitStatus.RUNNING, 2)
-    assert store.start(PARTS[1], ME) == 2
+    assert start(store, PARTS[1], ME) == 2
 
 
 def test_however_many_parts_wait_they_are_one_fit_to_the_queue(store: SqlFits) -> None:
@@ -164,7 +164,7 @@ def test_however_many_parts_wait_they_are_one_fit_to_the_queue(store: SqlFits) -
 
 def test_what_was_summed_is_no_fit_that_ended(store: SqlFits) -> None:
     add_split(store)
-    store.start(PARTS[0], ME)
+    start(store, PARTS[0], ME)
     end(store, PARTS[0])
     time.sleep(0.01)
     assert store.outdated(0.001, 0) == []
@@ -183,7 +183,7 @@ def test_parts_have_jobs_in_the_lane_of_the_long_and_then_the_fit_has_one(shared
     add_split(shared)
     assert jobs(database) == ["todo"] * 3
     for part in PARTS:
-        shared.start(part, ME)
+        start(shared, part, ME)
         end(shared, part)
     with database.connect() as connection:
         query = text("SELECT args->>'fit_id', queue_name FROM procrastinate_jobs ORDER BY id")
@@ -193,7 +193,7 @@ def test_parts_have_jobs_in_the_lane_of_the_long_and_then_the_fit_has_one(shared
 
 def test_with_the_fit_the_jobs_of_its_parts_go(shared: SqlFits, database: Engine) -> None:
     add_split(shared)
-    shared.start(PARTS[0], ME)
+    start(shared, PARTS[0], ME)
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'fit_id' = 'one-00000'"))
     assert shared.dismiss("one")
@@ -207,7 +207,7 @@ def test_lost_jobs_of_parts_are_replaced_and_a_fit_that_waits_for_parts_needs_no
     shared: SqlFits, database: Engine
 ) -> None:
     add_split(shared)
-    shared.start(PARTS[0], ME)
+    start(shared, PARTS[0], ME)
     assert shared.requeue_lost(0.0) == 0
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed'"))

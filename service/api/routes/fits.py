@@ -30,8 +30,9 @@ from service.api.presence import while_present
 from service.api.rate_limit import rate_limit_fields
 from service.api.representation import check_match, fit_path, fit_response, zero_set_response
 from service.api.schemas import FitResource
+from service.jobs.accepted import Accepted
 from service.jobs.caller import Caller
-from service.jobs.fit import Fit, FitStatus, ReceivedPoints
+from service.jobs.fit import FitStatus, ReceivedPoints
 from service.jobs.media_types import ZeroSetFormat
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.read_request import ReadRequest
@@ -74,17 +75,17 @@ async def create(
     """
     fits, limits = context.fits, context.limits
     kind = negotiation.point_set_format(request, query.format)
-    allowances = await fits.check_room(caller, idempotency_key(request))
+    await fits.check_room(caller, idempotency_key(request), small=body.is_small(request))
     stream = body.counted(request, context.transit, caller.client)
     async with body.received(request, kind, limits.body_bytes, context.incoming, stream) as content:
-        wanted, fit, replayed = await while_present(request, _accepted(request, context, caller, query, content))
+        wanted, accepted = await while_present(request, _accepted(request, context, caller, query, content))
     preferences = Preferences.of(request)
     seconds = preferences.seconds(DEFAULT_WAIT, limits.wait)
     with phase(request, "wait"):
-        fit = await while_present(request, fits.get(caller, fit.id, seconds))
-    left = rate_limit_fields(allowances if replayed else (one.after_one() for one in allowances))
+        fit = await while_present(request, fits.awaited(caller, accepted.fit, seconds))
+    left = rate_limit_fields(accepted.allowances)
     headers = {"Location": fit_path(request, fit.id), **left, **preferences.applied(seconds)}
-    if replayed:
+    if accepted.replayed:
         headers["Idempotency-Replayed"] = "true"
     if not fit.status.final:
         return fit_response(request, fit, await fits.progress(fit), HTTPStatus.ACCEPTED, headers)
@@ -98,10 +99,10 @@ async def create(
 
 async def _accepted(
     request: Request, context: Context, caller: Caller, query: FitQuery, content: bytes | Path
-) -> tuple[ZeroSetFormat | None, Fit, bool]:
+) -> tuple[ZeroSetFormat | None, Accepted]:
     """Read a point set and accept its fit, in turn with other clients.
 
-    Return the format of zero sets that is wanted in the answer, if any, the fit, and whether it was accepted before.
+    Return the format of zero sets that is wanted in the answer, if any, and the fit.
     """
     fits, limits = context.fits, context.limits
     kind, key = negotiation.point_set_format(request, query.format), idempotency_key(request)
@@ -120,8 +121,8 @@ async def _accepted(
         limits.check_system(points, plan)
         wanted = negotiation.wanted_file(request, points.dimension)
         with phase(request, "store"):
-            fit, replayed = await fits.accept(points, options, plan, caller, key, callback=query.callback)
-    return wanted, fit, replayed
+            accepted = await fits.accept(points, options, plan, caller, key, callback=query.callback)
+    return wanted, accepted
 
 
 @router.get(
