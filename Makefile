@@ -87,9 +87,9 @@ hostile: $(VENV)/.dev-stamp ## measure what others notice of clients that flood,
 	$(BIN)/python -m load.hostile $(ARGS)
 
 lock: .venv-lock/.stamp ## write requirements.lock, those of tests/ and bench/, and package-lock.json anew (needs npm)
-	$(COMPILE) --group build --extra s3 -o requirements.lock pyproject.toml
-	$(COMPILE) --group build --extra s3 --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
-	$(COMPILE) --group build --extra s3 --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra examples -o requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra examples --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra examples --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
 	$(COMPILE) -o tests/contract/requirements.lock tests/contract/requirements.in
 	cd $(CONTRACT) && npm install --package-lock-only
 

@@ -136,11 +136,19 @@ class Caller:
             if isinstance(error, httpx.TimeoutException):
                 self._log.unexplained.append(f"{method} {path}: {error!r}")
             return None
-        problem = answer.json().get("code", "") if answer.status_code >= 400 else ""  # noqa: PLR2004 - HTTP
+        problem = _problem(answer)
         self._log.note(f"{method}: {answer.status_code} {problem}".rstrip())
         if not _explained(method, answer, problem):
             self._log.unexplained.append(f"{method} {path}: {answer.status_code} {answer.text[:300]}")
         return answer
+
+
+def _problem(answer: httpx.Response) -> str:
+    """Return the code of an answer that is a problem; `none` if it is an error that has no problem details."""
+    if not answer.is_error:
+        return ""
+    is_problem = answer.headers.get("content-type") == "application/problem+json"
+    return str(answer.json()["code"]) if is_problem else "none"
 
 
 def _explained(method: str, answer: httpx.Response, problem: str) -> bool:

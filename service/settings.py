@@ -4,6 +4,7 @@ import os
 from base64 import b64decode
 from ipaddress import ip_network
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field, SecretStr, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -18,6 +19,16 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    log_format: Literal["text", "json"] = Field("text", description="How lines of the log are written: `text`, `json`.")
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        "info", description="What is written to the log: `debug`, `info`, `warning` or `error`, and what is graver."
+    )
+    probe_port: int | None = Field(
+        None,
+        ge=0,
+        le=65535,
+        description="Port at which `ipfit worker` answers `/livez`, `/readyz` and `/metrics`; by default it does not.",
+    )
     forwarded_allow_ips: str = Field(
         "127.0.0.1",
         description="Addresses of reverse proxies whose `X-Forwarded-For` and `X-Forwarded-Proto` are believed, with "

@@ -64,6 +64,12 @@ def ids(request: Request) -> RequestIds:
     return found
 
 
+def phases(scope: Scope) -> dict[str, float]:
+    """Return the seconds of each phase of a request that was measured."""
+    found: dict[str, float] = scope.get("state", {}).get(_PHASES, {})
+    return found
+
+
 @contextmanager
 def phase(request: Request, name: str) -> Iterator[None]:
     """Measure a phase of the work for a request; the answer's Server-Timing lists it."""

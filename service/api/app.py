@@ -8,11 +8,12 @@ from fastapi import Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
 
 from service.api import docs, problems
+from service.api.callers import caller_of
 from service.api.dependencies import Context
 from service.api.known_parameters import refuse_unknown_parameters
 from service.api.methods import HeadAndOptions
 from service.api.openapi import DocumentedApp
-from service.api.routes import ROUTERS
+from service.api.routes import ROUTERS, metrics
 
 DESCRIPTION = """\
 Turns 2D and 3D point sets into implicit polynomials f(x) = 0 whose degree finds itself.
@@ -73,7 +74,7 @@ def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with startup() as context:
-            app.state.context = context
+            app.state.context, app.state.watch = context, context.watch
             yield
 
     app = DocumentedApp(
@@ -102,5 +103,6 @@ def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
     problems.install(app)
     for router in ROUTERS:
         app.include_router(router)
+    app.include_router(metrics.router, dependencies=[Depends(caller_of)])
     docs.install(app)
     return app

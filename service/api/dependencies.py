@@ -8,6 +8,7 @@ from fastapi import Depends, Request
 
 from service.api.limits import Limits
 from service.api.transit import Transit
+from service.api.watch import Watch
 from service.api_keys import ApiKeys
 from service.jobs.fit_files import FitFiles
 from service.jobs.ports import Seats
@@ -32,6 +33,8 @@ class Context:
         Lets clients take turns when their point sets are read and stored.
     transit
         Counts the bytes of bodies.
+    watch
+        What supervisors are told.
     keys
         The API keys; None if everybody may call.
 
@@ -43,6 +46,7 @@ class Context:
     incoming: Path
     turns: Seats
     transit: Transit
+    watch: Watch
     keys: ApiKeys | None = None
 
 

@@ -13,16 +13,21 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.api.dependencies import Context
 from service.bootstrap import components
+from service.bootstrap.probes import serving
+from service.jobs.retention import Retention
+from service.jobs.store_calls import call_store
 from service.queue import procrastinate_jobs
 from service.queue.listener import FitListener
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.queue.procrastinate_worker import ProcrastinateWorker
+from service.queue.runner import Runner
 from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.callbacks import SqlCallbacks
 from service.store.fits import SqlFits
 from service.store.migrations import MigrationStep
 from service.store.schema import TIMEOUTS, postgres_engine
+from service.telemetry.metrics import Metrics
 from service.temporary_folders import temporary_folder
 
 logger = logging.getLogger(__name__)
@@ -39,42 +44,58 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         store, blobs = _stores(settings, engine)
         queue = FitListener(store, _conninfo(settings))
         listening = asyncio.create_task(queue.listen())
+        metrics, pools = Metrics(), components.Pools()
         try:
             with temporary_folder() as incoming, temporary_folder() as folder:
                 async with (
                     components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
-                    components.use_cases(settings, store, blobs, queue, callbacks, folder) as (fits, files),
+                    components.use_cases(settings, store, blobs, queue, callbacks, folder, pools) as (
+                        fits,
+                        files,
+                    ),
+                    components.watch(metrics, pools, store.load, fits.check) as watch,
                 ):
-                    yield components.context(settings, fits, files, incoming)
+                    yield components.context(settings, fits, files, incoming, watch)
         finally:
             listening.cancel()
 
 
 async def work(settings: Settings) -> None:
     """Run fits until SIGTERM; on a second SIGTERM, end at once."""
-    async with _engine(settings) as engine, components.fitters(settings) as fitters:
-        while not await _is_usable(engine):  # noqa: ASYNC110 - nothing notifies when it is
-            await asyncio.sleep(CONNECT_PAUSE)
+    metrics, pools = Metrics(), components.Pools()
+    async with _engine(settings) as engine, components.fitters(settings, pools) as fitters:
         store, blobs = _stores(settings, engine)
-        retention = components.retention(settings, store, blobs)
 
-        def clean_up() -> None:
-            if found := store.requeue_lost(2.0 * settings.lease):
-                logger.warning("%d fits had no job any more and were queued again", found)
-            retention.sweep()
+        async def check() -> None:
+            await call_store(store.count_waiting)
 
-        worker = ProcrastinateWorker(
-            store,
-            components.runner(settings, store, blobs, fitters, publish=True),
-            clean_up,
-            url=_conninfo(settings),
-            seats=settings.workers,
-            short_seats=settings.short_workers,
-            lease=settings.lease,
-        )
-        for one in (signal.SIGTERM, signal.SIGINT):
-            asyncio.get_running_loop().add_signal_handler(one, worker.stop)
-        await worker.work(settings.shutdown_grace)
+        async with components.watch(metrics, pools, store.load, check) as watch, serving(settings, watch):
+            while not await _is_usable(engine):  # noqa: ASYNC110 - nothing notifies when it is
+                await asyncio.sleep(CONNECT_PAUSE)
+            runner = components.runner(settings, store, blobs, fitters, metrics, publish=True)
+            worker = _worker(settings, store, runner, components.retention(settings, store, blobs))
+            for one in (signal.SIGTERM, signal.SIGINT):
+                asyncio.get_running_loop().add_signal_handler(one, worker.stop)
+            await worker.work(settings.shutdown_grace)
+
+
+def _worker(settings: Settings, store: SqlFits, runner: Runner, retention: Retention) -> ProcrastinateWorker:
+    """Return the worker; one process of all cleans up the store, too."""
+
+    def clean_up() -> None:
+        if found := store.requeue_lost(2.0 * settings.lease):
+            logger.warning("%d fits had no job any more and were queued again", found)
+        retention.sweep()
+
+    return ProcrastinateWorker(
+        store,
+        runner,
+        clean_up,
+        url=_conninfo(settings),
+        seats=settings.workers,
+        short_seats=settings.short_workers,
+        lease=settings.lease,
+    )
 
 
 def _conninfo(settings: Settings) -> str:

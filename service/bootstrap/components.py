@@ -4,7 +4,7 @@ import asyncio
 import logging
 import os
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from uuid import uuid4
@@ -12,6 +12,7 @@ from uuid import uuid4
 from service.api.dependencies import Context
 from service.api.limits import Limits
 from service.api.transit import Transit
+from service.api.watch import Watch
 from service.api_keys import ApiKeys
 from service.bootstrap import memory
 from service.callbacks.addresses import AllowedAddresses
@@ -27,13 +28,18 @@ from service.jobs.callback_ports import CallbackRules, CallbackStore
 from service.jobs.deliveries import Deliveries
 from service.jobs.fit import MAX_CRASHES
 from service.jobs.fit_files import FitFiles
+from service.jobs.lane_load import LaneLoad
 from service.jobs.lease_holder import LeaseHolder
+from service.jobs.observer import FitObserver
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
 from service.jobs.use_cases import FitService
 from service.queue.runner import Lanes, Runner, Tasks
 from service.settings import Settings
+from service.telemetry.gauges import Gauges
+from service.telemetry.metrics import Metrics
 from service.workers import tasks
+from service.workers.canary import Canary
 from service.workers.fair_seats import FairSeats
 from service.workers.planner_adapter import FitPlanner
 from service.workers.pool import WorkerPool
@@ -45,12 +51,19 @@ ACCEPTED_AT_ONCE = 2
 # By how much the priority of workers is lower than that of the server, which has little to do and whom everybody waits
 # for; 19 is the most. The lane of short fits has its own: whoever sends one fit waits there, beside floods of others.
 NICENESS, SHORT_NICENESS = 10, 0
+# The names of the pools of workers, in metrics and messages.
+FIT_POOL, SHORT_FIT_POOL, UPLOAD_POOL, FILE_POOL = "fits", "short fits", "uploads", "files"
+
+
+Pools = dict[str, WorkerPool]  # by name, for the metrics
 
 
 @asynccontextmanager
-async def pool(settings: Settings, size: int, *, tries: int = 1, niceness: int = NICENESS) -> AsyncIterator[WorkerPool]:
-    """Yield a pool whose workers have started."""
-    made = WorkerPool(size, settings.tasks_per_worker, memory_of_a_worker(settings), tries, niceness)
+async def pool(  # noqa: PLR0913 - how it is made, and under which name
+    settings: Settings, pools: Pools, name: str, size: int, *, tries: int = 1, niceness: int = NICENESS
+) -> AsyncIterator[WorkerPool]:
+    """Yield a pool whose workers have started, and add it to `pools`."""
+    made = pools[name] = WorkerPool(size, settings.tasks_per_worker, memory_of_a_worker(settings), tries, niceness)
     try:
         await made.warm_up()
         yield made
@@ -65,27 +78,67 @@ def memory_of_a_worker(settings: Settings) -> int:
 
 
 @asynccontextmanager
-async def fitters(settings: Settings) -> AsyncIterator[Lanes]:
+async def fitters(settings: Settings, pools: Pools) -> AsyncIterator[Lanes]:
     """Yield the pools in which fits run, with a worker for each fit that may run at once."""
-    async with pool(settings, settings.workers) as made:
+    async with pool(settings, pools, FIT_POOL, settings.workers) as made:
         if not settings.short_workers:
             yield Lanes(made, made)
             return
-        async with pool(settings, settings.short_workers, niceness=SHORT_NICENESS) as short:
+        async with pool(settings, pools, SHORT_FIT_POOL, settings.short_workers, niceness=SHORT_NICENESS) as short:
             yield Lanes(made, short)
 
 
-def runner(settings: Settings, store: FitStore, blobs: BlobStore, lanes: Lanes, *, publish: bool) -> Runner:
+@asynccontextmanager
+async def watch(
+    metrics: Metrics, pools: Pools, load: Callable[[], Iterable[LaneLoad]], check: Callable[[], Awaitable[None]]
+) -> AsyncIterator[Watch]:
+    """Yield what supervisors of this process are told, and try whether its workers can fit, again and again.
+
+    A process without workers for fits tries those that read uploads.
+    """
+    metrics.add(Gauges(pools, load))
+    canary = Canary([pools[name] for name in (FIT_POOL, SHORT_FIT_POOL) if name in pools] or [pools[UPLOAD_POOL]])
+
+    async def check_ready() -> None:
+        await check()
+        canary.check()
+
+    trying = asyncio.create_task(canary.keep_trying())
+    try:
+        yield Watch(check_ready, metrics.exposition, metrics)
+    finally:
+        trying.cancel()
+        await asyncio.gather(trying, return_exceptions=True)
+
+
+def runner(  # noqa: PLR0913 - what it runs, where, and who is told
+    settings: Settings, store: FitStore, blobs: BlobStore, lanes: Lanes, observer: FitObserver, *, publish: bool
+) -> Runner:
     """Return the runner of fits in these workers."""
     name = f"{socket.gethostname()}-{os.getpid()}-{uuid4().hex[:8]}"
     holder = LeaseHolder(name, settings.lease)
     work = Tasks(tasks.fit, tasks.sum_moments, tasks.fit_from_moments)
-    return Runner(store, blobs, lanes, work, holder=holder, deadline=settings.fit_deadline, publish=publish)
+    return Runner(
+        store,
+        blobs,
+        lanes,
+        work,
+        holder=holder,
+        deadline=settings.fit_deadline,
+        publish=publish,
+        observer=observer,
+    )
 
 
 @asynccontextmanager
 async def use_cases(  # noqa: PLR0913, PLR0917 - the parts from which it is made
-    settings: Settings, store: FitStore, blobs: BlobStore, queue: FitQueue, callbacks: CallbackRules, files: Path
+    settings: Settings,
+    store: FitStore,
+    blobs: BlobStore,
+    queue: FitQueue,
+    callbacks: CallbackRules,
+    files: Path,
+    pools: Pools,
 ) -> AsyncIterator[tuple[FitService, FitFiles]]:
     """Yield the use cases, with workers of their own that read bodies, and that make files in the folder `files`.
 
@@ -93,11 +146,11 @@ async def use_cases(  # noqa: PLR0913, PLR0917 - the parts from which it is made
     """
     deadline, places = settings.mesh_deadline, settings.waiting_requests
     async with (
-        pool(settings, 1, tries=MAX_CRASHES) as readers,
-        pool(settings, settings.mesh_workers, tries=MAX_CRASHES) as makers,
+        pool(settings, pools, UPLOAD_POOL, 1, tries=MAX_CRASHES) as readers,
+        pool(settings, pools, FILE_POOL, settings.mesh_workers, tries=MAX_CRASHES) as makers,
     ):
-        reading = FairSeats("uploads", 1, places, deadline)
-        making = FairSeats("files", settings.mesh_workers, places, deadline)
+        reading = FairSeats(UPLOAD_POOL, 1, places, deadline)
+        making = FairSeats(FILE_POOL, settings.mesh_workers, places, deadline)
         cache = FileCache(files, settings.mesh_cache_bytes)
         fits = FitService(
             store,
@@ -153,7 +206,7 @@ def limits(settings: Settings) -> Limits:
     )
 
 
-def context(settings: Settings, fits: FitService, files: FitFiles, incoming: Path) -> Context:
+def context(settings: Settings, fits: FitService, files: FitFiles, incoming: Path, watch: Watch) -> Context:
     """Return the context of the routes."""
     keys = None if settings.api_keys is None else ApiKeys.read(settings.api_keys)
     if keys is None:
@@ -161,7 +214,7 @@ def context(settings: Settings, fits: FitService, files: FitFiles, incoming: Pat
     else:
         logger.info("%d API keys were read", len(keys.callers))
     turns = FairSeats("point sets", ACCEPTED_AT_ONCE, settings.queue_limit, settings.mesh_deadline)
-    return Context(fits, files, limits(settings), incoming, turns, Transit(settings.transit_bytes), keys)
+    return Context(fits, files, limits(settings), incoming, turns, Transit(settings.transit_bytes), watch, keys)
 
 
 def connection_limits(settings: Settings) -> ConnectionLimits:

@@ -13,6 +13,7 @@ from service.store.callbacks import SqlCallbacks
 from service.store.data_folder import opened
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
+from service.telemetry.metrics import Metrics
 
 
 @asynccontextmanager
@@ -22,17 +23,22 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
         engine = sqlite_engine(folder.database)
         store, blobs = SqlFits(engine, components.admission(settings)), Blobs(settings.blobs_url or str(folder.blobs))
         sweeping = asyncio.create_task(components.retention(settings, store, blobs).keep_sweeping())
+        metrics, pools = Metrics(), components.Pools()
         try:
-            async with components.fitters(settings) as fitters:
-                runner = components.runner(settings, store, blobs, fitters, publish=False)
+            async with components.fitters(settings, pools) as fitters:
+                runner = components.runner(settings, store, blobs, fitters, metrics, publish=False)
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
                 async with (
                     components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
-                    components.use_cases(settings, store, blobs, queue, callbacks, folder.files) as (fits, files),
+                    components.use_cases(settings, store, blobs, queue, callbacks, folder.files, pools) as (
+                        fits,
+                        files,
+                    ),
+                    components.watch(metrics, pools, store.load, fits.check) as watch,
                 ):
                     try:
                         await queue.resume()
-                        yield components.context(settings, fits, files, folder.incoming)
+                        yield components.context(settings, fits, files, folder.incoming, watch)
                     finally:
                         await queue.close()
         finally:

@@ -35,7 +35,7 @@ class _Server(uvicorn.Server):
                 root_path=settings.root_path,
                 ws="none",
                 server_header=False,
-                log_config=log_config(),
+                log_config=log_config(settings.log_format, settings.log_level),
                 forwarded_allow_ips=settings.forwarded_allow_ips,
                 timeout_graceful_shutdown=GRACE_SECONDS,
             )

@@ -15,7 +15,7 @@ def worker() -> None:
     if settings.database_url is None:
         typer.echo("IPFIT_DATABASE_URL is not set: workers need the database of the servers", err=True)
         raise typer.Exit(2)
-    configure()
+    configure(settings.log_format, settings.log_level)
     fork_server.start()
     from service.bootstrap.cluster import work  # noqa: PLC0415 - loaded while the fork server loads what workers need
 

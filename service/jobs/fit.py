@@ -194,6 +194,11 @@ class Fit:
     callback: Callback | None = None
 
     @property
+    def lane(self) -> str:
+        """Return the name of the lane for which it waits."""
+        return "short" if self.short else "long"
+
+    @property
     def short(self) -> bool:
         """Return whether it may run in the lane of short fits. Parts may not: together they take long."""
         return self.whole is None and self.cost <= SHORT_SECONDS

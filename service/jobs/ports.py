@@ -10,6 +10,7 @@ from service.jobs.admission import Admission, Usage
 from service.jobs.caller import Caller, Quota
 from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import Failure, Fit, FitStatus, PointSetRef, ReceivedPoints
+from service.jobs.lane_load import LaneLoad
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.mesh_request import MeshRequest
 from service.jobs.page import Page
@@ -101,6 +102,9 @@ class FitStore(Protocol):
 
     def count_waiting(self) -> int:
         """Return how many fits wait for a worker, themselves or with a part."""
+
+    def load(self) -> Sequence[LaneLoad]:
+        """Return how much there is to do in each lane."""
 
     def recover(self) -> int:
         """Set every running fit back to accepted and return how many. Only for a store that no other process uses."""

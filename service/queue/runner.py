@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any, TypeVar
 from service.jobs.errors import DeadlineExceededError, NotReadyError, OutOfMemoryError, WorkerCrashedError
 from service.jobs.fit import MAX_CRASHES, Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
+from service.jobs.observer import UNOBSERVED, FitObserver
 from service.jobs.ports import BlobStore, FitStore, Workers
 
 logger = logging.getLogger(__name__)
@@ -86,9 +88,11 @@ class Runner:
         holder: LeaseHolder,
         deadline: float,
         publish: bool = False,
+        observer: FitObserver = UNOBSERVED,
     ) -> None:
         """Give each fit or part at most `deadline` seconds in a worker; with `publish`, store its progress."""
         self._store, self._blobs, self._lanes, self._tasks = store, blobs, lanes, tasks
+        self._observer = observer
         self._holder, self._deadline, self._publish = holder, deadline, publish
         self._steps: dict[str, list[dict[str, Any]]] = {}
 
@@ -121,6 +125,8 @@ class Runner:
 
     async def _attempt(self, fit: Fit, workers: Workers) -> bool:
         """Run one attempt and store how it ended; return whether the fit has ended with it."""
+        self._observer.started(fit)
+        began = time.monotonic()
         try:
             result = await self._while_held(fit, workers)
         except WorkerCrashedError as error:
@@ -141,12 +147,18 @@ class Runner:
             logger.exception("fit %s failed", fit.id)
             failure = Failure("fit-error", f"{type(error).__name__}: {error}")
         else:
-            return result is not None and await self._ended(fit, FitStatus.SUCCESSFUL, result, None)
-        return await self._ended(fit, FitStatus.FAILED, None, failure)
+            return result is not None and await self._ended(fit, began, FitStatus.SUCCESSFUL, result)
+        return await self._ended(fit, began, FitStatus.FAILED, None, failure)
 
-    async def _ended(self, fit: Fit, status: FitStatus, result: bytes | None, failure: Failure | None) -> bool:
+    async def _ended(
+        self, fit: Fit, began: float, status: FitStatus, result: bytes | None, failure: Failure | None = None
+    ) -> bool:
         """Store the end of a fit; return False if this attempt did not hold it any more."""
-        return await self._retried(self._store.finish, fit.id, fit.attempt, status, result, failure)
+        seconds = time.monotonic() - began
+        stored = await self._retried(self._store.finish, fit.id, fit.attempt, status, result, failure)
+        if stored:
+            self._observer.ended(fit, status, result, seconds)
+        return stored
 
     def _limit(self, error: DeadlineExceededError | OutOfMemoryError) -> Failure:
         """Return the failure of a fit that was over a limit."""

@@ -12,6 +12,7 @@ from service.jobs.admission import Admission, Usage
 from service.jobs.caller import Caller, Quota
 from service.jobs.errors import KeyReusedError
 from service.jobs.fit import Failure, Fit, FitStatus
+from service.jobs.lane_load import LaneLoad
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.page import Page
 from service.jobs.ports import NO_QUOTA
@@ -188,6 +189,11 @@ class SqlFits:
         """Return how many fits wait for a worker, themselves or with a part."""
         with self._engine.connect() as connection:
             return queries.count_waiting(connection)
+
+    def load(self) -> list[LaneLoad]:
+        """Return how much there is to do in each lane."""
+        with self._engine.connect() as connection:
+            return queries.load(connection)
 
     def recover(self) -> int:
         """Set every running fit back to accepted and return how many; the server that ran them is gone."""

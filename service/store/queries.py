@@ -6,10 +6,11 @@ from datetime import timedelta
 from typing import Any
 
 import orjson
-from sqlalchemy import ColumnElement, Connection, Row, bindparam, case, func, null, select
+from sqlalchemy import ColumnElement, Connection, Row, and_, bindparam, case, func, null, select
 
 from service.jobs.admission import Usage
-from service.jobs.fit import Fit, FitStatus
+from service.jobs.fit import SHORT_SECONDS, Fit, FitStatus
+from service.jobs.lane_load import LaneLoad
 from service.jobs.page import Page
 from service.store import acceptances, mapping, outbox
 from service.store.schema import callbacks, fits
@@ -20,6 +21,12 @@ ENDED = [status for status in FitStatus if status.final]
 # As in `transitions`, built once.
 _FITS = select(fits, *outbox.CALLBACK_COLUMNS).outerjoin(callbacks, callbacks.c.fit == fits.c.id)
 _BY_ID, _BY_KEY = _FITS.where(fits.c.id == bindparam("fit")), _FITS.where(fits.c.key == bindparam("stored_key"))
+_SHORT = and_(fits.c.whole.is_(None), fits.c.cost <= SHORT_SECONDS).label("short")  # as `Fit.short`
+_LOAD = (
+    select(_SHORT, fits.c.status, func.count().label("number"), func.min(fits.c.created).label("oldest"))
+    .where(fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING]), fits.c.unsummed == 0)
+    .group_by(_SHORT, fits.c.status)
+)
 _MINE = fits.c.client == bindparam("client")
 _USAGE = select(
     func.count(_WHOLE.distinct()),
@@ -55,6 +62,18 @@ def usage(connection: Connection, client: str, owner: str) -> Usage:
     recent, age = acceptances.recent(connection, owner, clock(connection)) if owner else (0, 0.0)
     count_all, seconds, size, own, own_seconds = (value or 0 for value in waiting)
     return Usage(int(count_all), float(seconds), int(size), int(own), float(own_seconds), recent, age)
+
+
+def load(connection: Connection) -> list[LaneLoad]:
+    """Return how much there is to do in each lane."""
+    now, found = clock(connection), {name: LaneLoad(name) for name in ("short", "long")}
+    for row in connection.execute(_LOAD):
+        lane = found["short" if row.short else "long"]
+        if row.status is FitStatus.RUNNING:
+            found[lane.lane] = replace(lane, running=row.number)
+        else:
+            found[lane.lane] = replace(lane, waiting=row.number, oldest=(now - row.oldest).total_seconds())
+    return list(found.values())
 
 
 def has_key(connection: Connection, key: str) -> bool:

@@ -56,8 +56,19 @@ class WorkerPool:
         # First in, first out: a seat whose worker was just killed gets the longest time to start another.
         self._free: asyncio.Queue[ProcessPool] = asyncio.Queue()
         self._evictions: set[asyncio.Task[None]] = set()
+        self.deaths = 0
         for seat in self._seats:
             self._free.put_nowait(seat)
+
+    @property
+    def size(self) -> int:
+        """Return the number of workers."""
+        return len(self._seats)
+
+    @property
+    def busy(self) -> int:
+        """Return how many workers have a task, or are being replaced."""
+        return self.size - self._free.qsize()
 
     async def warm_up(self) -> None:
         """Return when every worker has started and has loaded its modules.
@@ -187,6 +198,7 @@ class WorkerPool:
     def _replace(self, seat: ProcessPool) -> ProcessPool:
         """Put a new seat in the place of a broken one, which is closed in the background."""
         logger.warning("a worker process died and is replaced")
+        self.deaths += 1
         seat.stop()  # type: ignore[no-untyped-call] # as above
         asyncio.get_running_loop().run_in_executor(None, seat.join)
         new = self._new_seat()

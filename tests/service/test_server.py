@@ -13,6 +13,7 @@ from contextlib import closing
 import httpx
 
 from tests.service.bodies import HALF_A_MINUTE, LONG, SOME_SECONDS, ellipse, npy
+from tests.service.raw import talk
 from tests.service.running import COMMAND, Server, alive, until
 
 NPY = {"Content-Type": "application/x-npy"}
@@ -83,6 +84,20 @@ def test_a_stopping_server_lets_fits_end_and_answers_meanwhile(start: Callable[.
     second = start(WORKERS=1)
     assert second.look(running)["status"] == "successful"
     second.stop()
+
+
+def test_a_request_that_takes_longer_than_a_stopping_server_waits_is_told_so(start: Callable[..., Server]) -> None:
+    first = start(WORKERS=1)
+    head = b"POST /v1/fits HTTP/1.1\r\nHost: x\r\nContent-Type: application/x-npy\r\nContent-Length: 30000\r\n\r\n"
+    with ThreadPoolExecutor() as threads:
+        slow = threads.submit(talk, first, head, *[b"x" * 1000] * 30, pause=0.5)
+        time.sleep(1.0)
+        first.process.send_signal(signal.SIGTERM)
+        answer = slow.result()
+    assert (answer.status, answer.problem["code"]) == (503, "shutting-down")
+    assert first.process.wait(10.0) == 0
+    assert "Traceback" not in first.log
+    first.client.close()
 
 
 def test_a_second_signal_ends_a_stopping_server_at_once_and_loses_nothing(start: Callable[..., Server]) -> None:

@@ -2,9 +2,9 @@
 
 from fastapi import APIRouter
 
-from service.api.dependencies import ContextDep
 from service.api.descriptions import problem
 from service.api.schemas import Health
+from service.api.watch import WatchDep
 
 router = APIRouter(tags=["health"])
 
@@ -16,10 +16,11 @@ async def livez() -> Health:
 
 
 @router.get("/readyz", summary="Ready for work?", responses={503: problem("Not ready.")})
-async def readyz(context: ContextDep) -> Health:
-    """Answer while fits can be looked up and the server is not about to stop, else 503.
+async def readyz(watch: WatchDep) -> Health:
+    """Answer while fits can be looked up, the workers can fit, and the process is not about to stop, else 503.
 
-    A disk that is full does not count: what was fitted can still be had. New fits are then answered with 503.
+    That the workers can fit is shown by a tiny fit every half minute. A disk that is full does not count: what was
+    fitted can still be had. New fits are then answered with 503.
     """
-    await context.fits.check()
+    await watch.check_ready()
     return Health(status="ok")

@@ -1,0 +1,42 @@
+"""What a supervisor is told of a process, as typed dependencies: whether it is ready, and its metrics."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Protocol
+
+from fastapi import Depends, Request
+
+
+class RequestObserver(Protocol):
+    """Is told of every request that was answered."""
+
+    def answered(self, method: str, route: str, status: int, seconds: float, phases: Mapping[str, float]) -> None:
+        """Note a request: its route as in the OpenAPI document, and seconds in all and of each phase."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """What a supervisor is told of a process.
+
+    Attributes
+    ----------
+    check_ready
+        Raises an error if the process is not ready for work.
+    exposition
+        Returns the metrics as text for Prometheus; in the format OpenMetrics if it is given true. It blocks.
+    requests
+        Is told of every request.
+
+    """
+
+    check_ready: Callable[[], Awaitable[None]]
+    exposition: Callable[[bool], bytes]
+    requests: RequestObserver
+
+
+async def _watch(request: Request) -> Watch:
+    watch: Watch = request.app.state.watch
+    return watch
+
+
+WatchDep = Annotated[Watch, Depends(_watch)]

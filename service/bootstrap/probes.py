@@ -1,0 +1,48 @@
+"""A small web server beside the work of a process, for its supervisors."""
+
+import asyncio
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+
+import uvicorn
+
+from service.api.probes import create_probes
+from service.api.watch import Watch
+from service.bootstrap.components import connection_limits
+from service.connections.protocol import guarded
+from service.settings import Settings
+
+
+class _Server(uvicorn.Server):
+    """Uvicorn that leaves signals to the process that it runs in."""
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Do nothing."""
+        yield
+
+
+@asynccontextmanager
+async def serving(settings: Settings, watch: Watch) -> AsyncIterator[None]:
+    """Answer `/livez`, `/readyz` and `/metrics` at IPFIT_PROBE_PORT, if it is set."""
+    if settings.probe_port is None:
+        yield
+        return
+    server = _Server(
+        uvicorn.Config(
+            create_probes(watch),
+            host=settings.host,
+            port=settings.probe_port,
+            http=guarded(connection_limits(settings)),
+            ws="none",
+            lifespan="off",
+            server_header=False,
+            log_config=None,  # as the process has configured it
+        )
+    )
+    running = asyncio.create_task(server.serve())
+    try:
+        yield
+    finally:
+        server.should_exit = True
+        await asyncio.gather(running, return_exceptions=True)

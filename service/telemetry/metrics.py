@@ -1,0 +1,90 @@
+"""The metrics of one process, for Prometheus."""
+
+import time
+from collections.abc import Mapping
+from threading import Lock
+
+import orjson
+from prometheus_client import CollectorRegistry, Counter, Histogram, ProcessCollector, generate_latest
+from prometheus_client.openmetrics import exposition as openmetrics
+from prometheus_client.registry import Collector
+
+from service.jobs.fit import Fit, FitStatus
+
+# Bounds of histograms: seconds of a request or one of its phases, seconds of a fit or a wait, points, degrees.
+_REQUEST = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
+_FIT = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0)
+_POINTS = (30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 10_000_000)
+_DEGREES = (2, 4, 6, 8, 10, 12, 14, 16, 20, 30, 40)
+# What stands in the place of a route or a stop reason where there is none. Labels come from a fixed set of words, never
+# from a caller: each value is kept for ever.
+NONE = "none"
+# How old the text may be that a caller is given, in seconds: to measure the gauges takes tens of milliseconds.
+_AGE = 1.0
+
+
+class Metrics:
+    """Counts requests and fits. What is measured at the moment of a look is in `service.telemetry.gauges`."""
+
+    def __init__(self) -> None:
+        """Start with nothing counted, in a registry of its own."""
+        self._registry = CollectorRegistry()
+        self._texts: dict[bool, tuple[float, bytes]] = {}
+        self._lock = Lock()
+        ProcessCollector(registry=self._registry)
+        self._requests = self._counter("http_requests", "Requests that were answered.", "method", "route", "status")
+        self._seconds = self._histogram("http_request_seconds", "Time to the end of an answer.", _REQUEST, "route")
+        self._phases = self._histogram(
+            "http_phase_seconds", "Time of a phase of a request, as in Server-Timing.", _REQUEST, "phase"
+        )
+        self._waits = self._histogram("queue_wait_seconds", "From acceptance to the first start.", _FIT, "lane")
+        self._fits = self._counter("fits", "Fits that ended in this process.", "dimension", "status", "stop_reason")
+        self._parts = self._counter("parts", "Parts of split fits that ended in this process.", "status")
+        self._fit_seconds = self._histogram("fit_seconds", "Time of a fit in its worker.", _FIT, "dimension")
+        self._points = self._histogram("fit_points", "Points of fits that ended.", _POINTS, "dimension")
+        self._degrees = self._histogram("fit_degree", "Degrees of successful fits.", _DEGREES, "dimension")
+
+    def add(self, collector: Collector) -> None:
+        """Let a collector measure at each look, too."""
+        self._registry.register(collector)
+
+    def exposition(self, open_metrics: bool) -> bytes:  # noqa: FBT001 - the signature of `Watch.exposition`
+        """Return all metrics as text for Prometheus, measured within the last second; in OpenMetrics if wanted."""
+        with self._lock:
+            made, text = self._texts.get(open_metrics, (-_AGE, b""))
+            if time.monotonic() - made >= _AGE:
+                text = (openmetrics.generate_latest if open_metrics else generate_latest)(self._registry)
+                self._texts[open_metrics] = time.monotonic(), text
+            return text
+
+    def answered(self, method: str, route: str, status: int, seconds: float, phases: Mapping[str, float]) -> None:
+        """Count a request: its route as in the OpenAPI document, and seconds in all and of each phase."""
+        self._requests.labels(method, route, str(status)).inc()
+        self._seconds.labels(route).observe(seconds)
+        for name, took in phases.items():
+            self._phases.labels(name).observe(took)
+
+    def started(self, fit: Fit) -> None:
+        """Count how long a fit waited for its first start."""
+        if fit.attempt == 1 and fit.started is not None:
+            waited = max(0.0, (fit.started - fit.created).total_seconds())
+            self._waits.labels(fit.lane).observe(waited)
+
+    def ended(self, fit: Fit, status: FitStatus, result: bytes | None, seconds: float) -> None:
+        """Count a fit that ended, or a part of one."""
+        if fit.whole is not None:
+            self._parts.labels(status.value).inc()
+            return
+        dimension = f"{fit.input.dimension}d"
+        found = {} if result is None else orjson.loads(result)
+        self._fits.labels(dimension, status.value, found.get("stop_reason") or NONE).inc()
+        self._fit_seconds.labels(dimension).observe(seconds)
+        self._points.labels(dimension).observe(fit.input.points)
+        if found:
+            self._degrees.labels(dimension).observe(found["polynomial"]["degree"])
+
+    def _counter(self, name: str, text: str, *labels: str) -> Counter:
+        return Counter(f"ipfit_{name}", text, labels, registry=self._registry)
+
+    def _histogram(self, name: str, text: str, bounds: tuple[float, ...], *labels: str) -> Histogram:
+        return Histogram(f"ipfit_{name}", text, labels, buckets=bounds, registry=self._registry)
