@@ -190,7 +190,12 @@ _ALL = (
         "queue-full", _S.SERVICE_UNAVAILABLE, "Too many requests wait", "Nothing was accepted: try again later."
     ),
     ProblemType(
-        "shutting-down", _S.SERVICE_UNAVAILABLE, "The server is stopping", "Nothing was accepted.", retry_after=10
+        "shutting-down",
+        _S.SERVICE_UNAVAILABLE,
+        "The server is stopping",
+        "Nothing was accepted, unless the server stopped in the moment of it: with the same Idempotency-Key, the "
+        "request can be sent again in any case.",
+        retry_after=10,
     ),
     ProblemType(
         "not-ready",

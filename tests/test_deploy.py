@@ -10,6 +10,7 @@ from typing import Any
 import kubernetes_validate
 import pytest
 import yaml
+from prometheus_client import generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
 from service.settings import Settings
@@ -56,6 +57,13 @@ def test_a_manifest_with_an_unknown_field_would_be_noticed() -> None:
         kubernetes_validate.validate(service | {"sepc": {}}, KUBERNETES, strict=True)
 
 
+def test_no_service_gives_pods_a_variable_that_is_a_setting() -> None:
+    """Kubernetes tells every pod of the Services around it: of one called `ipfit`, in IPFIT_PORT."""
+    for one in DOCUMENTS:
+        if one["kind"] == "Deployment":
+            assert one["spec"]["template"]["spec"]["enableServiceLinks"] is False
+
+
 def test_the_kustomization_lists_every_manifest() -> None:
     (own,) = [one for one in DOCUMENTS if one["kind"] == "Kustomization"]
     assert {*own["resources"], "kustomization.yaml"} == {file.name for file in MANIFESTS}
@@ -85,7 +93,7 @@ def exposed() -> set[str]:
     """Return the names of the samples of all metrics of this project."""
     metrics = Metrics()
     metrics.add(Gauges({}, list))
-    families = text_string_to_metric_families(metrics.exposition(False).decode())  # noqa: FBT003 - its only argument
+    families = text_string_to_metric_families(generate_latest(metrics.registry).decode())
     return {family.name for family in families if family.name.startswith("ipfit_")}
 
 

@@ -1,5 +1,6 @@
 """Receiving the body of a request without holding a large one in memory."""
 
+import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
 from pathlib import Path
@@ -15,12 +16,22 @@ from service.jobs.media_types import JSON
 # a file and read in a worker process. JSON takes longer, and all other requests wait meanwhile.
 IN_MEMORY_BYTES, IN_MEMORY_BYTES_OF_JSON = 256 * 1024, 64 * 1024
 SMALL_BYTES = 16 * 1024
+MOST_DIGITS = 18  # of a length; Python refuses to read numbers of thousands of digits
 
 
 def is_small(request: Request) -> bool:
     """Return whether the body is announced to be so small that it costs no more to read than to refuse."""
-    announced = request.headers.get("content-length", "")
-    return announced.isdecimal() and int(announced) <= SMALL_BYTES
+    announced = _announced(request)
+    return announced is not None and announced <= SMALL_BYTES
+
+
+def _announced(request: Request) -> int | None:
+    """Return the length of the body that the head announces, if it does; one with too many digits is huge."""
+    digits = request.headers.get("content-length", "")
+    if not digits.isdecimal():
+        return None
+    digits = digits.lstrip("0") or "0"
+    return int(digits) if len(digits) <= MOST_DIGITS else sys.maxsize
 
 
 @asynccontextmanager
@@ -71,8 +82,7 @@ def counted(request: Request, transit: Transit, client: str) -> Iterator[AsyncIt
 async def _received(
     request: Request, stream: AsyncIterator[bytes], most: int, folder: Path, small: int
 ) -> AsyncIterator[bytes | Path]:
-    announced = request.headers.get("content-length", "")
-    if announced.isdecimal() and int(announced) > most:
+    if (_announced(request) or 0) > most:
         raise _too_large(most)
     head = bytearray()
     async for chunk in stream:

@@ -23,7 +23,11 @@ class HeadAndOptions:
         if method == "HEAD":
             # Range is for GET only (RFC 9110, 14.2).
             headers = [(name, value) for name, value in scope["headers"] if name != b"range"]
-            await self._app({**scope, "method": "GET", "headers": headers}, receive, _without_body(send))
+            own = {**scope, "method": "GET", "headers": headers}
+            try:
+                await self._app(own, receive, _without_body(send))
+            finally:
+                scope["route"] = own.get("route")  # of which the metrics are told
         elif method == "OPTIONS" and (methods := _options(scope)):
             allow = {"Allow": ", ".join(sorted(methods))}
             await Response(status_code=HTTPStatus.NO_CONTENT, headers=allow)(scope, receive, send)

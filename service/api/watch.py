@@ -14,6 +14,13 @@ class RequestObserver(Protocol):
         """Note a request: its route as in the OpenAPI document, and seconds in all and of each phase."""
 
 
+class Exposition(Protocol):
+    """Writes the metrics of the process."""
+
+    async def text(self, *, open_metrics: bool) -> bytes:
+        """Return the metrics, measured at most a second ago; in the format OpenMetrics if wanted."""
+
+
 @dataclass(frozen=True)
 class Watch:
     """What a supervisor is told of a process.
@@ -23,14 +30,14 @@ class Watch:
     check_ready
         Raises an error if the process is not ready for work.
     exposition
-        Returns the metrics as text for Prometheus; in the format OpenMetrics if it is given true. It blocks.
+        Returns the metrics as text for Prometheus.
     requests
         Is told of every request.
 
     """
 
     check_ready: Callable[[], Awaitable[None]]
-    exposition: Callable[[bool], bytes]
+    exposition: Exposition
     requests: RequestObserver
 
 

@@ -14,6 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.api.dependencies import Context
 from service.bootstrap import components
 from service.bootstrap.probes import serving
+from service.jobs.errors import ShuttingDownError
 from service.jobs.retention import Retention
 from service.jobs.store_calls import call_store
 from service.queue import procrastinate_jobs
@@ -66,17 +67,21 @@ async def work(settings: Settings) -> None:
     async with _engine(settings) as engine, components.fitters(settings, pools) as fitters:
         store, blobs = _stores(settings, engine)
 
+        runner = components.runner(settings, store, blobs, fitters, metrics, publish=True)
+        worker = _worker(settings, store, runner, components.retention(settings, store, blobs))
+        for one in (signal.SIGTERM, signal.SIGINT):
+            asyncio.get_running_loop().add_signal_handler(one, worker.stop)
+
         async def check() -> None:
+            if worker.stopping:
+                raise ShuttingDownError("the worker is stopping")
             await call_store(store.count_waiting)
 
         async with components.watch(metrics, pools, store.load, check) as watch, serving(settings, watch):
-            while not await _is_usable(engine):  # noqa: ASYNC110 - nothing notifies when it is
+            while not (worker.stopping or await _is_usable(engine)):  # noqa: ASYNC110 - nothing notifies when it is
                 await asyncio.sleep(CONNECT_PAUSE)
-            runner = components.runner(settings, store, blobs, fitters, metrics, publish=True)
-            worker = _worker(settings, store, runner, components.retention(settings, store, blobs))
-            for one in (signal.SIGTERM, signal.SIGINT):
-                asyncio.get_running_loop().add_signal_handler(one, worker.stop)
-            await worker.work(settings.shutdown_grace)
+            if not worker.stopping:
+                await worker.work(settings.shutdown_grace)
 
 
 def _worker(settings: Settings, store: SqlFits, runner: Runner, retention: Retention) -> ProcrastinateWorker:

@@ -36,6 +36,7 @@ from service.jobs.retention import Retention
 from service.jobs.use_cases import FitService
 from service.queue.runner import Lanes, Runner, Tasks
 from service.settings import Settings
+from service.telemetry.exposition import Exposition
 from service.telemetry.gauges import Gauges
 from service.telemetry.metrics import Metrics
 from service.workers import tasks
@@ -103,10 +104,12 @@ async def watch(
         await check()
         canary.check()
 
+    exposition = Exposition(metrics.registry)
     trying = asyncio.create_task(canary.keep_trying())
     try:
-        yield Watch(check_ready, metrics.exposition, metrics)
+        yield Watch(check_ready, exposition, metrics)
     finally:
+        exposition.close()
         trying.cancel()
         await asyncio.gather(trying, return_exceptions=True)
 

@@ -37,6 +37,7 @@ async def serving(settings: Settings, watch: Watch) -> AsyncIterator[None]:
             ws="none",
             lifespan="off",
             server_header=False,
+            timeout_graceful_shutdown=1,
             log_config=None,  # as the process has configured it
         )
     )

@@ -138,7 +138,11 @@ class FitService:
 
     async def _add_and_submit(self, new: Fit, content: bytes, parts: list[Fit], quota: Quota) -> Accepted:
         """Store a fit and queue it, unless it was stored before."""
-        fit, usage = await self._add(new, content, parts, quota)
+        try:
+            fit, usage = await self._add(new, content, parts, quota)
+        except BaseException:
+            self._roomy = False  # until room is seen again
+            raise
         admission, replayed = self._store.admission, fit.id != new.id
         self._roomy, allowances = admission.has_much_room(usage), admission.allowances(usage, quota)
         if replayed:

@@ -75,6 +75,11 @@ class ProcrastinateWorker:
         self._runs: set[asyncio.Task[bool]] = set()
         self._stopped, self._drain_ended = asyncio.Event(), asyncio.Event()
 
+    @property
+    def stopping(self) -> bool:
+        """Return whether `stop` was called."""
+        return self._stopped.is_set()
+
     def stop(self) -> None:
         """Take no more jobs and let the running ones end; when called again, end at once."""
         if self._stopped.is_set():

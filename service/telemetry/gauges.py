@@ -1,7 +1,8 @@
 """What is measured at the moment at which somebody looks: queue, workers, memory."""
 
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Protocol
 
 import psutil
@@ -10,6 +11,10 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from service.jobs.lane_load import LaneLoad
+
+logger = logging.getLogger(__name__)
+
+PATIENCE = 2.0  # seconds that the store may take
 
 
 class Pool(Protocol):
@@ -34,6 +39,8 @@ class Gauges(Collector):
     def __init__(self, pools: Mapping[str, Pool], load: Callable[[], Iterable[LaneLoad]] | None = None) -> None:
         """Measure these pools, by their names; and the lanes of the queue, by a function that asks the store."""
         self._pools, self._load = pools, load
+        self._thread = ThreadPoolExecutor(1, "queue-load")
+        self._asked: Future[Iterable[LaneLoad]] | None = None
 
     def collect(self) -> Iterator[Metric]:
         """Measure; what cannot be measured at the moment is left out."""
@@ -42,9 +49,20 @@ class Gauges(Collector):
         for name, size in _memory().items():
             memory.add_metric([name], size)
         yield memory
-        if self._load is not None:
-            with suppress(Exception):  # the store fails: /readyz says so
-                yield from _queue(self._load())
+        yield from self._queue()
+
+    def _queue(self) -> Iterator[Metric]:
+        """Ask the store about the queue; leave it out if that fails, as /readyz says, or takes too long."""
+        if self._load is None:
+            return
+        if self._asked is None or self._asked.done():
+            self._asked = self._thread.submit(self._load)
+        try:
+            yield from _lanes(self._asked.result(timeout=PATIENCE))
+        except TimeoutError:
+            logger.warning("the store did not say in %g s how much waits", PATIENCE)
+        except Exception as error:  # noqa: BLE001 - of any database
+            logger.warning("the store cannot say how much waits: %s", type(error).__name__)
 
     def _workers(self) -> Iterator[Metric]:
         workers = GaugeMetricFamily("ipfit_workers", "Worker processes.", labels=["pool", "state"])
@@ -57,7 +75,7 @@ class Gauges(Collector):
         yield deaths
 
 
-def _queue(load: Iterable[LaneLoad]) -> Iterator[Metric]:
+def _lanes(load: Iterable[LaneLoad]) -> Iterator[Metric]:
     fits = GaugeMetricFamily("ipfit_queue_fits", "Fits, and parts of fits, in the queue.", labels=["lane", "state"])
     oldest = GaugeMetricFamily("ipfit_queue_oldest_seconds", "Age of the oldest that waits.", labels=["lane"])
     for one in load:
@@ -69,14 +87,16 @@ def _queue(load: Iterable[LaneLoad]) -> Iterator[Metric]:
 
 
 def _memory() -> dict[str, int]:
-    """Return the bytes of this process, and of all that it started."""
+    """Return the bytes of this process, and of all that it started: its workers, and what starts them."""
     own = psutil.Process()
     return {"main": _size(own), "workers": sum(map(_size, own.children(recursive=True)))}
 
 
 def _size(process: psutil.Process) -> int:
-    """Return the bytes of a process; of pages that it shares with others, its part, where the system knows it."""
-    with suppress(psutil.Error):
-        full = process.memory_full_info()
-        return int(getattr(full, "pss", full.rss))
-    return 0
+    """Return the bytes of a process, 0 if it has ended; of pages that it shares, its part, where the system tells."""
+    try:
+        return int(getattr(process.memory_full_info(), "pss", 0)) or int(process.memory_info().rss)
+    except psutil.AccessDenied:
+        return int(process.memory_info().rss)
+    except psutil.NoSuchProcess:
+        return 0

@@ -1,12 +1,9 @@
 """The metrics of one process, for Prometheus."""
 
-import time
 from collections.abc import Mapping
-from threading import Lock
 
 import orjson
-from prometheus_client import CollectorRegistry, Counter, Histogram, ProcessCollector, generate_latest
-from prometheus_client.openmetrics import exposition as openmetrics
+from prometheus_client import CollectorRegistry, Counter, Histogram, ProcessCollector
 from prometheus_client.registry import Collector
 
 from service.jobs.fit import Fit, FitStatus
@@ -19,8 +16,6 @@ _DEGREES = (2, 4, 6, 8, 10, 12, 14, 16, 20, 30, 40)
 # What stands in the place of a route or a stop reason where there is none. Labels come from a fixed set of words, never
 # from a caller: each value is kept for ever.
 NONE = "none"
-# How old the text may be that a caller is given, in seconds: to measure the gauges takes tens of milliseconds.
-_AGE = 1.0
 
 
 class Metrics:
@@ -28,10 +23,8 @@ class Metrics:
 
     def __init__(self) -> None:
         """Start with nothing counted, in a registry of its own."""
-        self._registry = CollectorRegistry()
-        self._texts: dict[bool, tuple[float, bytes]] = {}
-        self._lock = Lock()
-        ProcessCollector(registry=self._registry)
+        self.registry = CollectorRegistry()
+        ProcessCollector(registry=self.registry)
         self._requests = self._counter("http_requests", "Requests that were answered.", "method", "route", "status")
         self._seconds = self._histogram("http_request_seconds", "Time to the end of an answer.", _REQUEST, "route")
         self._phases = self._histogram(
@@ -46,16 +39,7 @@ class Metrics:
 
     def add(self, collector: Collector) -> None:
         """Let a collector measure at each look, too."""
-        self._registry.register(collector)
-
-    def exposition(self, open_metrics: bool) -> bytes:  # noqa: FBT001 - the signature of `Watch.exposition`
-        """Return all metrics as text for Prometheus, measured within the last second; in OpenMetrics if wanted."""
-        with self._lock:
-            made, text = self._texts.get(open_metrics, (-_AGE, b""))
-            if time.monotonic() - made >= _AGE:
-                text = (openmetrics.generate_latest if open_metrics else generate_latest)(self._registry)
-                self._texts[open_metrics] = time.monotonic(), text
-            return text
+        self.registry.register(collector)
 
     def answered(self, method: str, route: str, status: int, seconds: float, phases: Mapping[str, float]) -> None:
         """Count a request: its route as in the OpenAPI document, and seconds in all and of each phase."""
@@ -71,11 +55,13 @@ class Metrics:
             self._waits.labels(fit.lane).observe(waited)
 
     def ended(self, fit: Fit, status: FitStatus, result: bytes | None, seconds: float) -> None:
-        """Count a fit that ended, or a part of one."""
+        """Count a fit that ended, or a part of one; a fit fails with the first of its parts that does."""
+        dimension = f"{fit.input.dimension}d"
         if fit.whole is not None:
             self._parts.labels(status.value).inc()
+            if status is FitStatus.FAILED:
+                self._fits.labels(dimension, status.value, NONE).inc()
             return
-        dimension = f"{fit.input.dimension}d"
         found = {} if result is None else orjson.loads(result)
         self._fits.labels(dimension, status.value, found.get("stop_reason") or NONE).inc()
         self._fit_seconds.labels(dimension).observe(seconds)
@@ -84,7 +70,7 @@ class Metrics:
             self._degrees.labels(dimension).observe(found["polynomial"]["degree"])
 
     def _counter(self, name: str, text: str, *labels: str) -> Counter:
-        return Counter(f"ipfit_{name}", text, labels, registry=self._registry)
+        return Counter(f"ipfit_{name}", text, labels, registry=self.registry)
 
     def _histogram(self, name: str, text: str, bounds: tuple[float, ...], *labels: str) -> Histogram:
-        return Histogram(f"ipfit_{name}", text, labels, buckets=bounds, registry=self._registry)
+        return Histogram(f"ipfit_{name}", text, labels, buckets=bounds, registry=self.registry)

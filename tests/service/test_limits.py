@@ -133,6 +133,13 @@ def test_an_announced_body_over_the_limit_is_refused_unread(small: Server) -> No
         assert connection.recv(1000).startswith(b"HTTP/1.1 413 ")
 
 
+@pytest.mark.parametrize(("number", "status"), [(b"10000000000", b"413"), (b"2", b"422")])
+def test_a_length_of_thousands_of_digits_is_read_as_any_other(small: Server, number: bytes, status: bytes) -> None:
+    with talk(small) as connection:
+        connection.sendall(HEAD + b"Content-Length: " + b"0" * 5000 + number + b"\r\n\r\n{}")
+        assert connection.recv(1000).startswith(b"HTTP/1.1 " + status)
+
+
 def test_a_chunked_body_over_the_limit_is_refused_and_not_read_to_its_end(small: Server) -> None:
     chunk = b"10000\r\n" + b" " * 0x10000 + b"\r\n"
     sent = 0

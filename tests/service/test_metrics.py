@@ -49,11 +49,13 @@ def test_requests_fits_queue_workers_and_memory_are_measured(start: Start) -> No
     server.under_way(running, degree=1)
     assert server.client.get(f"/v1/fits/{'0' * 32}").status_code == 404
     assert server.client.get("/no/such/path").status_code == 404
+    assert server.client.head(f"/v1/fits/{done['id']}").is_success
     found = measured(server.client)
     assert value(found, "ipfit_http_requests_total", route="/v1/fits", method="POST", status="200") == 1
     assert value(found, "ipfit_http_requests_total", route="/v1/fits", method="POST", status="202") == 2
     assert value(found, "ipfit_http_requests_total", route="/v1/fits/{fit_id}", status="404") == 1
     assert value(found, "ipfit_http_requests_total", route="none", status="404") == 1
+    assert value(found, "ipfit_http_requests_total", route="/v1/fits/{fit_id}", method="HEAD") == 1
     assert value(found, "ipfit_http_request_seconds_count", route="/v1/fits") == 3
     assert value(found, "ipfit_http_phase_seconds_count", phase="store") == 3
     assert value(found, "ipfit_http_phase_seconds_sum", phase="wait") > 0.0
@@ -125,7 +127,9 @@ def test_a_worker_of_a_cluster_has_probes_of_its_own(cluster: Cluster) -> None:
         assert value(measured(probes), "ipfit_fits_total", status="successful") == 1
         assert value(measured(probes), "ipfit_workers", pool="fits") == 1
         assert value(measured(server.client), "ipfit_fits_total") == 0
-        assert value(measured(server.client), "ipfit_queue_fits") == 0
+        found = measured(server.client)
+        assert [one for one in found if one[0] == "ipfit_queue_fits"], "the store was asked"
+        assert value(found, "ipfit_queue_fits") == 0
         problem(probes.get("/v1/fits"), 404, "not-found")
     worker.stop()
 

@@ -5,6 +5,7 @@ import resource
 import tempfile
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import httpx
@@ -101,6 +102,20 @@ def test_the_server_has_a_limit_of_its_own_and_workers_have_theirs(start: Start)
     limits = {pid: resource.prlimit(pid, resource.RLIMIT_DATA)[0] for pid in (server.process.pid, *server.workers())}
     assert limits.pop(server.process.pid) == 2**30
     assert set(limits.values()) == {3 * 2**30}
+
+
+def test_a_fit_whose_mesh_cannot_be_made_at_once_is_accepted_all_the_same(start: Start) -> None:
+    server = start(WORKERS=1, WAITING_REQUESTS=1)
+    fit = server.fit(npy(torus()), "max_degree=4")
+    with ThreadPoolExecutor() as threads:
+        meshes = f"{server.url}/v1/fits/{fit['id']}/mesh?resolution="
+        asked = [threads.submit(httpx.get, f"{meshes}{256 - i}", timeout=60.0) for i in range(6)]
+        until(lambda: any(one.done() and one.result().status_code == 503 for one in asked))
+        wanted = NPY | {"Accept": "application/geo+json"}
+        answer = server.client.post("/v1/fits?max_degree=2", content=npy(ellipse()), headers=wanted)
+    assert answer.status_code == 202, answer.text
+    assert answer.json()["status"] == "successful"
+    assert server.client.get(f"{answer.headers['Location']}/mesh").is_success
 
 
 def test_too_many_bytes_on_their_way_in_are_refused(start: Start) -> None:

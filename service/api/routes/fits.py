@@ -1,5 +1,6 @@
 """The routes of fits: POST one, read it, dismiss or remove it."""
 
+import asyncio
 from http import HTTPStatus
 from pathlib import Path
 from typing import Annotated
@@ -32,6 +33,7 @@ from service.api.representation import check_match, fit_path, fit_response, zero
 from service.api.schemas import FitResource
 from service.jobs.accepted import Accepted
 from service.jobs.caller import Caller
+from service.jobs.errors import NotReadyError, QueueFullError
 from service.jobs.fit import FitStatus, ReceivedPoints
 from service.jobs.media_types import ZeroSetFormat
 from service.jobs.mesh_request import MeshRequest
@@ -58,7 +60,7 @@ router = APIRouter(prefix="/v1/fits", tags=["fits"])
         },
         202: {
             "model": FitResource,
-            "description": "Accepted; see Location.",
+            "description": "Accepted; see Location. Or it has ended, but there is no time for the file that is wanted.",
             "headers": ACCEPTED_HEADERS | REPLAYED | RATE_LIMIT,
         },
         **problems(400, 406, 409, 413, 415, 422, 429, 503),
@@ -91,8 +93,11 @@ async def create(
         return fit_response(request, fit, await fits.progress(fit), HTTPStatus.ACCEPTED, headers)
     if wanted is not None:
         mesh = MeshRequest(wanted.name)
-        with phase(request, "mesh"):
-            file = await while_present(request, context.files.zero_set(caller, fit, mesh))
+        try:
+            with phase(request, "mesh"):
+                file = await while_present(request, context.files.zero_set(caller, fit, mesh))
+        except (QueueFullError, NotReadyError, asyncio.CancelledError):  # the server is too busy for it, or stops
+            return fit_response(request, fit, [], HTTPStatus.ACCEPTED, headers)
         return zero_set_response(request, fit, wanted, file, context.files.zero_set_name(fit, mesh), headers)
     return fit_response(request, fit, [], headers=headers)
 

@@ -1,7 +1,5 @@
 """The metrics of this process, for Prometheus."""
 
-import asyncio
-
 from fastapi import APIRouter, Request, Response
 
 from service.api import negotiation
@@ -30,5 +28,5 @@ async def metrics(request: Request, watch: WatchDep) -> Response:
     """Return what this process counted since it started, and its queue, workers and memory now, for Prometheus."""
     accept = request.headers.get("accept", "*/*")
     kind = max(_VERSIONS, key=lambda one: negotiation.quality(accept, one))
-    text = await asyncio.to_thread(watch.exposition, kind == OPEN_METRICS)
+    text = await watch.exposition.text(open_metrics=kind == OPEN_METRICS)
     return Response(text, media_type=f"{kind}; version={_VERSIONS[kind]}; charset=utf-8", headers={"Vary": "Accept"})
