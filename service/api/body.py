@@ -16,7 +16,7 @@ from service.jobs.media_types import JSON
 # a file and read in a worker process. JSON takes longer, and all other requests wait meanwhile.
 IN_MEMORY_BYTES, IN_MEMORY_BYTES_OF_JSON = 256 * 1024, 64 * 1024
 SMALL_BYTES = 16 * 1024
-MOST_DIGITS = 18  # of a length; Python refuses to read numbers of thousands of digits
+LENGTH_DIGITS = 18  # of a length; Python refuses to read numbers of thousands of digits
 
 
 def is_small(request: Request) -> bool:
@@ -31,7 +31,7 @@ def _announced(request: Request) -> int | None:
     if not digits.isdecimal():
         return None
     digits = digits.lstrip("0") or "0"
-    return int(digits) if len(digits) <= MOST_DIGITS else sys.maxsize
+    return int(digits) if len(digits) <= LENGTH_DIGITS else sys.maxsize
 
 
 @asynccontextmanager

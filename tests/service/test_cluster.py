@@ -76,9 +76,9 @@ def test_who_waits_hears_of_the_end_at_once(cluster: Cluster) -> None:
 def test_a_cancel_reaches_a_worker_from_any_replica_and_frees_its_seat_at_once(cluster: Cluster) -> None:
     servers, worker = [cluster.serve(), cluster.serve()], cluster.work()
     fit = servers[0].fit(LONG, HALF_A_MINUTE, "respond-async")
-    servers[0].under_way(fit, degree=8)
+    servers[0].under_way(fit, degree=6)
     (victim,) = until(worker.busy)
-    waiting = servers[1].fit(LONG, "t1=0&max_degree=3", "respond-async")
+    waiting = servers[1].fit(LONG, "geometric=false&max_degree=3", "respond-async")
     began = time.monotonic()
     assert servers[1].client.delete(f"/v1/fits/{fit['id']}").json()["status"] == "dismissed"
     until(lambda: not alive(victim))
