@@ -24,10 +24,14 @@ BROWSER_RULES = {
 # Once a browser has come by HTTPS, it stays with it for so long: a year.
 HTTPS_ONLY = "max-age=31536000"
 _IDS, _PHASES = "request_ids", "phases"
+# What is counted in the place of a route or a method that this server does not have. Callers may send anything, and
+# each value would be counted apart, for ever.
+UNKNOWN = "none"
+METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 
 
 class Answers:
-    """Adds these headers to every answer, those to unexpected errors included."""
+    """Adds these headers to every answer, those to unexpected errors included, and tells an observer of the answer."""
 
     def __init__(self, app: ASGIApp) -> None:
         """Wrap the application."""
@@ -42,9 +46,12 @@ class Answers:
         state: dict[str, Any] = scope.setdefault("state", {})
         state[_IDS], state[_PHASES] = ids, {}
         CURRENT.set(ids)
+        status = 0
 
         async def send_with_headers(message: Message) -> None:
+            nonlocal status
             if message["type"] == "http.response.start":
+                status = message["status"]
                 headers = MutableHeaders(scope=message)
                 headers.update(ids.headers)
                 phases = state[_PHASES] | {"total": time.perf_counter() - began}
@@ -55,18 +62,25 @@ class Answers:
                     headers["strict-transport-security"] = HTTPS_ONLY
             await send(message)
 
-        await self._app(scope, receive, send_with_headers)
+        try:
+            await self._app(scope, receive, send_with_headers)
+        finally:
+            if status:  # else nobody was there to be answered
+                _tell(scope, status, time.perf_counter() - began)
+
+
+def _tell(scope: Scope, status: int, seconds: float) -> None:
+    """Tell the observer of this process, if it has one yet, of a request that was answered."""
+    watch = getattr(scope["app"].state, "watch", None)
+    if watch is not None:
+        route = getattr(scope.get("route"), "path_format", UNKNOWN)
+        method = scope["method"] if scope["method"] in METHODS else UNKNOWN
+        watch.requests.answered(method, route, status, seconds, scope["state"][_PHASES])
 
 
 def ids(request: Request) -> RequestIds:
     """Return the ids of a request."""
     found: RequestIds = getattr(request.state, _IDS)
-    return found
-
-
-def phases(scope: Scope) -> dict[str, float]:
-    """Return the seconds of each phase of a request that was measured."""
-    found: dict[str, float] = scope.get("state", {}).get(_PHASES, {})
     return found
 
 

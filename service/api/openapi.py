@@ -14,7 +14,6 @@ from service.api.curve_feature import CurveFeature
 from service.api.descriptions import REF
 from service.api.fit_request import FitRequest
 from service.api.interrupted import Interrupted
-from service.api.measured import Measured
 from service.api.problems import Problem
 from service.api.schemas import PointSet
 
@@ -26,7 +25,7 @@ class DocumentedApp(FastAPI):
 
     def build_middleware_stack(self) -> ASGIApp:
         """Return the application with its middleware, in `Answers`: outside of what answers unexpected errors, too."""
-        return Measured(Answers(Interrupted(super().build_middleware_stack())))
+        return Answers(Interrupted(super().build_middleware_stack()))
 
     def openapi(self) -> dict[str, Any]:
         """Return the OpenAPI document."""

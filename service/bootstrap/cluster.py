@@ -66,7 +66,6 @@ async def work(settings: Settings) -> None:
     metrics, pools = Metrics(), components.Pools()
     async with _engine(settings) as engine, components.fitters(settings, pools) as fitters:
         store, blobs = _stores(settings, engine)
-
         runner = components.runner(settings, store, blobs, fitters, metrics, publish=True)
         worker = _worker(settings, store, runner, components.retention(settings, store, blobs))
         for one in (signal.SIGTERM, signal.SIGINT):

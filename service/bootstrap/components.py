@@ -54,8 +54,6 @@ ACCEPTED_AT_ONCE = 2
 NICENESS, SHORT_NICENESS = 10, 0
 # The names of the pools of workers, in metrics and messages.
 FIT_POOL, SHORT_FIT_POOL, UPLOAD_POOL, FILE_POOL = "fits", "short fits", "uploads", "files"
-
-
 Pools = dict[str, WorkerPool]  # by name, for the metrics
 
 

@@ -36,7 +36,7 @@ class Pool(Protocol):
 class Gauges(Collector):
     """Collects the gauges of this process, and of its workers."""
 
-    def __init__(self, pools: Mapping[str, Pool], load: Callable[[], Iterable[LaneLoad]] | None = None) -> None:
+    def __init__(self, pools: Mapping[str, Pool], load: Callable[[], Iterable[LaneLoad]]) -> None:
         """Measure these pools, by their names; and the lanes of the queue, by a function that asks the store."""
         self._pools, self._load = pools, load
         self._thread = ThreadPoolExecutor(1, "queue-load")
@@ -45,7 +45,9 @@ class Gauges(Collector):
     def collect(self) -> Iterator[Metric]:
         """Measure; what cannot be measured at the moment is left out."""
         yield from self._workers()
-        memory = GaugeMetricFamily("ipfit_memory_bytes", "Memory, shared pages counted in parts.", labels=["process"])
+        memory = GaugeMetricFamily(
+            "ipfit_memory_bytes", "Memory; a page that n processes share counts 1/n in each.", labels=["process"]
+        )
         for name, size in _memory().items():
             memory.add_metric([name], size)
         yield memory
@@ -53,8 +55,6 @@ class Gauges(Collector):
 
     def _queue(self) -> Iterator[Metric]:
         """Ask the store about the queue; leave it out if that fails, as /readyz says, or takes too long."""
-        if self._load is None:
-            return
         if self._asked is None or self._asked.done():
             self._asked = self._thread.submit(self._load)
         try:

@@ -2,12 +2,10 @@
 
 import logging
 from logging.config import dictConfig
-from typing import Any, Literal
+from typing import Any
 
 from service.request_ids import CURRENT
 
-LogFormat = Literal["text", "json"]
-LogLevel = Literal["debug", "info", "warning", "error"]
 LINE = "%(asctime)s %(levelname)s %(name)s: %(message)s%(request)s"
 # The members of a line of JSON, by the names that Python's logging has for them, and those of a line about an answer.
 _MEMBERS = {"levelname": "level", "name": "logger", "message": "message", "exc_info": "exception"}
@@ -38,8 +36,8 @@ class RequestMembers(logging.Filter):
         return True
 
 
-def log_config(form: LogFormat = "text", level: LogLevel = "info") -> dict[str, Any]:
-    """Return the configuration of all loggers, as `logging.config` takes it."""
+def log_config(form: str, level: str) -> dict[str, Any]:
+    """Return the configuration of all loggers, as `logging.config` takes it; IPFIT_LOG_FORMAT and IPFIT_LOG_LEVEL."""
     members = {
         "()": "pythonjsonlogger.orjson.OrjsonFormatter",
         "fmt": list(_MEMBERS),
@@ -58,6 +56,6 @@ def log_config(form: LogFormat = "text", level: LogLevel = "info") -> dict[str, 
     }
 
 
-def configure(form: LogFormat, level: LogLevel) -> None:
+def configure(form: str, level: str) -> None:
     """Write the log from now on."""
     dictConfig(log_config(form, level))

@@ -7,6 +7,7 @@ import httpx
 import pytest
 from sqlalchemy import Engine, text
 
+from service.api_keys import new_key
 from service.jobs.admission import Admission
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
@@ -67,3 +68,12 @@ def start(tmp_path: Path) -> Iterator[Start]:
     for server in started:
         if server.process.poll() is None:
             server.kill()
+
+
+@pytest.fixture
+def keys(tmp_path: Path) -> tuple[Path, str, str]:
+    """Return a file with two callers, the second with quotas, and their keys."""
+    file = tmp_path / "keys.toml"
+    (first, entry), (second, other) = new_key("ada"), new_key("bob.2")
+    file.write_text(f"{entry}\n{other}waiting = 2\nhourly = 3\n", encoding="utf-8")
+    return file, first, second

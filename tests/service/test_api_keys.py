@@ -7,7 +7,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.api_keys import ApiKeys, ApiKeysError, new_key
+from service.api_keys import ApiKeys, ApiKeysError
 from tests.service.bodies import HALF_A_MINUTE, LONG, ellipse, npy
 from tests.service.conftest import Start
 from tests.service.running import COMMAND
@@ -20,15 +20,6 @@ SLOW = f"/v1/fits?{HALF_A_MINUTE}"
 
 def bearer(key: str, **more: str) -> dict[str, str]:
     return NPY | {"Authorization": f"Bearer {key}", **more}
-
-
-@pytest.fixture
-def keys(tmp_path: Path) -> tuple[Path, str, str]:
-    """Return a file with two callers, the second with quotas, and their keys."""
-    file = tmp_path / "keys.toml"
-    (first, entry), (second, other) = new_key("ada"), new_key("bob.2")
-    file.write_text(f"{entry}\n{other}waiting = 2\nhourly = 3\n", encoding="utf-8")
-    return file, first, second
 
 
 def test_without_a_key_nothing_but_health_and_documents_can_be_had(start: Start, keys: tuple[Path, str, str]) -> None:

@@ -20,10 +20,9 @@ from tests.service.clusters import Cluster
 from tests.service.conftest import Start
 from tests.service.postgres import Postgres
 from tests.service.running import LISTENING, until
-from tests.service.test_api_keys import bearer, keys
+from tests.service.test_api_keys import bearer
 from tests.service.test_problems import problem
 
-__all__ = ["keys"]  # a fixture
 OPEN_METRICS = "application/openmetrics-text;version=1.0.0;q=0.6,text/plain;version=0.0.4;q=0.3,*/*;q=0.2"
 Samples = dict[tuple[str, frozenset[tuple[str, str]]], float]
 
