@@ -118,8 +118,8 @@ class FitStore(Protocol):
     def outdated(self, age: float, size: int) -> list[str]:
         """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
 
-    def forget_acceptances(self) -> None:
-        """Forget when fits were accepted, of those that no quota counts any more."""
+    def forget_past(self) -> None:
+        """Forget of clients and owners what has no effect any more: when fits were accepted, turns in the queue."""
 
 
 class BlobStore(Protocol):

@@ -45,7 +45,7 @@ class Retention:
 
         A callback that could not be delivered yet is tried further: it is small, and was promised.
         """
-        self.store.forget_acceptances()
+        self.store.forget_past()
         outdated = self.store.outdated(self.age, self.size)
         removed = sum(self.store.remove(one, self.blobs.delete, keep_callback=True) for one in outdated)
         if self.exclusive and time.monotonic() > self._orphans_removed + ORPHAN_SECONDS:

@@ -24,10 +24,10 @@ class ProcrastinateJobs:
         """Open no connection: the methods use that of their caller."""
         self._app = App(connector=SyncPsycopgConnector())
 
-    def enqueue(self, connection: Connection, fit_id: str, *, short: bool) -> int:
-        """Add a job for a fit to the queue of short or of long fits, and return the number of the job."""
+    def enqueue(self, connection: Connection, fit_id: str, place: int, *, short: bool) -> int:
+        """Add a job for a fit to the queue of short or of long fits, and return its number. Low places are first."""
         queue = SHORT_QUEUE if short else LONG_QUEUE
-        deferrer = self._app.configure_task(TASK, queue=queue, connection=_raw(connection))
+        deferrer = self._app.configure_task(TASK, queue=queue, priority=-place, connection=_raw(connection))
         return deferrer.defer(fit_id=fit_id)
 
     def cancel(self, connection: Connection, job: int) -> None:

@@ -16,7 +16,7 @@ from service.jobs.lane_load import LaneLoad
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.page import Page
 from service.jobs.ports import NO_QUOTA
-from service.store import acceptances, mapping, outbox, queries, transitions
+from service.store import acceptances, mapping, outbox, queries, transitions, turns
 from service.store.input_locks import InputLocks
 from service.store.schema import fits
 from service.store.transitions import NOT_HELD, JobQueue
@@ -53,13 +53,15 @@ class SqlFits:
                 return earlier, usage
             self.admission.check(usage, quota)
             store_input()
-            connection.execute(_INSERT, [mapping.from_fit(one) for one in (fit, *parts)])
+            places = [{}] * (1 + len(parts)) if self._queue is None else turns.take(connection, [*parts, fit])
+            rows = [mapping.from_fit(one) | place for one, place in zip([*parts, fit], places, strict=True)]
+            connection.execute(_INSERT, rows)
             if fit.owner:
                 acceptances.add(connection, fit.id, fit.owner, transitions.clock(connection))
             outbox.add(connection, fit)
             if self._queue is not None:
-                for one in parts or [fit]:
-                    transitions.enqueue(connection, self._queue, one)
+                for one, place in zip(parts or [fit], places, strict=False):
+                    transitions.enqueue(connection, self._queue, one, place["place"])
         return fit, usage
 
     def has_key(self, owner: str, key: str) -> bool:
@@ -215,10 +217,12 @@ class SqlFits:
         with self._engine.connect() as connection:
             return queries.outdated(connection, age, size)
 
-    def forget_acceptances(self) -> None:
-        """Forget when fits were accepted, of those that no quota counts any more."""
+    def forget_past(self) -> None:
+        """Forget of clients and owners what has no effect any more: when fits were accepted, turns in the queue."""
         with self._engine.begin() as connection:
             acceptances.forget(connection, transitions.clock(connection))
+            if self._queue is not None:
+                turns.forget(connection)
 
     def _earlier(self, connection: Connection, fit: Fit) -> Fit | None:
         """Return the fit that was stored with the same key, if this one has a key."""

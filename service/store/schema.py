@@ -113,6 +113,9 @@ fits = Table(
     Column("whole", String, index=True),
     Column("slice", String),
     Column("summary", String),  # JSON of what was worked out when the input was checked
+    # When it is taken from the queue of the same database, if there is one: `service.store.turns`.
+    Column("turn", Float, nullable=False, default=0.0, server_default="0"),
+    Column("place", Integer, nullable=False, default=0, server_default="0"),
 )
 # Apart from the fits: a callback that is still to be delivered outlives its fit when that is removed for its age.
 callbacks = Table(
@@ -138,6 +141,13 @@ acceptances = Table(
     Column("accepted", Moment, nullable=False),
     Index("ix_acceptances_recent", "owner", "accepted"),
 )
+# The turn that the next fit of each client would have, where that is not now.
+turns = Table(
+    "turns",
+    metadata,
+    Column("client", String, primary_key=True),
+    Column("until", Float, nullable=False),
+)
 # Whoever changes the tables above adds a migration here that changes older ones in the same way, named after the
 # release. Each is one statement: SQLite takes no more at once.
 FITS = MigrationStep(
@@ -162,6 +172,9 @@ FITS = MigrationStep(
         "0.2.0 acceptances": "CREATE TABLE acceptances (fit VARCHAR NOT NULL PRIMARY KEY, owner VARCHAR NOT NULL,"
         " accepted TIMESTAMP WITH TIME ZONE NOT NULL)",
         "0.2.0 acceptances, found": "CREATE INDEX ix_acceptances_recent ON acceptances (owner, accepted)",
+        "0.2.0 turn": "ALTER TABLE fits ADD COLUMN turn FLOAT NOT NULL DEFAULT 0",
+        "0.2.0 place": "ALTER TABLE fits ADD COLUMN place INTEGER NOT NULL DEFAULT 0",
+        "0.2.0 turns": "CREATE TABLE turns (client VARCHAR NOT NULL PRIMARY KEY, until FLOAT NOT NULL)",
     },
     columns=frozenset(fits.columns.keys()),
 )

@@ -24,8 +24,8 @@ _FAMILY = select(fits.c.parts, fits.c.whole).where(fits.c.id == bindparam("fit")
 class JobQueue(Protocol):
     """A job queue in the same database, changed in the transaction that changes the fit."""
 
-    def enqueue(self, connection: Connection, fit_id: str, *, short: bool) -> int:
-        """Add a job for a fit to the queue of short or of long fits, and return the number of the job."""
+    def enqueue(self, connection: Connection, fit_id: str, place: int, *, short: bool) -> int:
+        """Add a job for a fit to the queue of short or of long fits, and return its number. Low places are first."""
 
     def cancel(self, connection: Connection, job: int) -> None:
         """Cancel a job; if it runs, its worker is told to abort it."""
@@ -76,13 +76,13 @@ def requeue_lost(connection: Connection, queue: JobQueue, seconds: float) -> int
     queued = queue.queued(connection, [one.job for one in found])
     lost = [one for one in found if one.job not in queued]
     for one in lost:
-        enqueue(connection, queue, mapping.to_fit(one), touched=now)
+        enqueue(connection, queue, mapping.to_fit(one), one.place, touched=now)
     return len(lost)
 
 
-def enqueue(connection: Connection, queue: JobQueue, fit: Fit, **values: object) -> None:
+def enqueue(connection: Connection, queue: JobQueue, fit: Fit, place: int, **values: object) -> None:
     """Add a job for a fit to the queue, and store the number of the job with the fit."""
-    job = queue.enqueue(connection, fit.id, short=fit.short)
+    job = queue.enqueue(connection, fit.id, place, short=fit.short)
     connection.execute(update(fits).where(fits.c.id == fit.id).values(job=job, **values))
 
 
@@ -168,8 +168,8 @@ def _remove_parts(connection: Connection, queue: JobQueue | None, whole: str) ->
 def _count_part(connection: Connection, queue: JobQueue | None, whole: str) -> None:
     """Count a part of a fit as summed; after the last one, queue the fit itself."""
     connection.execute(update(fits).where(fits.c.id == whole).values(unsummed=fits.c.unsummed - 1))
-    fit = mapping.to_fit(connection.execute(select(fits).where(fits.c.id == whole)).one())
-    if fit.unsummed == 0:
+    row = connection.execute(select(fits).where(fits.c.id == whole)).one()
+    if row.unsummed == 0:
         transition(connection, queue, whole, FitStatus.ACCEPTED, {})
         if queue is not None:
-            enqueue(connection, queue, fit)
+            enqueue(connection, queue, mapping.to_fit(row), row.place)

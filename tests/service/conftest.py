@@ -41,14 +41,19 @@ def database(postgres: Postgres) -> Iterator[Engine]:
     engine.dispose()
 
 
+@pytest.fixture
+def cluster_store(database: Engine) -> SqlFits:
+    """Return an empty store with a queue in the same database."""
+    with database.begin() as connection:
+        connection.execute(text("TRUNCATE fits, turns, callbacks, acceptances, procrastinate_jobs CASCADE"))
+    return SqlFits(database, Admission(LIMIT), ProcrastinateJobs())
+
+
 @pytest.fixture(params=["sqlite", "postgresql"])
 def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SqlFits]:
     """Return an empty store, on each engine."""
     if request.param == "postgresql":
-        engine: Engine = request.getfixturevalue("database")
-        with engine.begin() as connection:
-            connection.execute(text("TRUNCATE fits, callbacks, acceptances, procrastinate_jobs CASCADE"))
-        yield SqlFits(engine, Admission(LIMIT), ProcrastinateJobs())
+        yield request.getfixturevalue("cluster_store")
         return
     engine = sqlite_engine(tmp_path / "fits.sqlite")
     yield SqlFits(engine, Admission(LIMIT))

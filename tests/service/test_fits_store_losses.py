@@ -7,12 +7,10 @@ import pytest
 from procrastinate.exceptions import ConnectorException
 from sqlalchemy import Engine, text
 
-from service.jobs.admission import Admission
 from service.jobs.fit import MAX_ABANDONED, FitStatus
 from service.jobs.lease_holder import LeaseHolder
-from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
-from tests.service.stores import LIMIT, ME, OTHER, add, fit, jobs, start
+from tests.service.stores import ME, OTHER, add, fit, jobs, start
 
 
 def test_recovery_puts_the_interrupted_back_in_line(store: SqlFits) -> None:
@@ -78,46 +76,39 @@ def test_crashes_are_counted_and_releases_are_not(store: SqlFits) -> None:
     assert (found.crashes, found.attempt) == (2, 4)
 
 
-@pytest.fixture
-def shared(database: Engine) -> SqlFits:
-    with database.begin() as connection:
-        connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-    return SqlFits(database, Admission(LIMIT), ProcrastinateJobs())
-
-
-def test_a_fit_and_its_job_are_stored_together_or_not_at_all(shared: SqlFits, database: Engine) -> None:
-    add(shared, fit())
+def test_a_fit_and_its_job_are_stored_together_or_not_at_all(cluster_store: SqlFits, database: Engine) -> None:
+    add(cluster_store, fit())
     assert jobs(database) == ["todo"]
     with database.begin() as connection:
         connection.execute(text("ALTER TABLE procrastinate_jobs RENAME TO elsewhere"))
     with pytest.raises(ConnectorException):
-        add(shared, fit("two"))
+        add(cluster_store, fit("two"))
     with database.begin() as connection:
         connection.execute(text("ALTER TABLE elsewhere RENAME TO procrastinate_jobs"))
-    assert shared.get("two") is None
-    assert shared.dismiss("one")
+    assert cluster_store.get("two") is None
+    assert cluster_store.dismiss("one")
     assert jobs(database) == ["cancelled"]
 
 
-def test_a_job_that_a_wrong_clock_put_off_is_replaced(shared: SqlFits, database: Engine) -> None:
-    add(shared, fit())
+def test_a_job_that_a_wrong_clock_put_off_is_replaced(cluster_store: SqlFits, database: Engine) -> None:
+    add(cluster_store, fit())
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET scheduled_at = now() + interval '1 minute'"))
         connection.execute(text("UPDATE fits SET touched = now() - interval '1 hour'"))
-    assert shared.requeue_lost(60.0) == 0
+    assert cluster_store.requeue_lost(60.0) == 0
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET scheduled_at = now() + interval '1 day'"))
-    assert shared.requeue_lost(60.0) == 1
-    assert shared.requeue_lost(0.0) == 0
+    assert cluster_store.requeue_lost(60.0) == 1
+    assert cluster_store.requeue_lost(0.0) == 0
 
 
-def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(shared: SqlFits, database: Engine) -> None:
+def test_a_live_fit_that_lost_its_job_gets_another_and_no_other_does(cluster_store: SqlFits, database: Engine) -> None:
     for name in ("lost", "waits", "runs", "ended"):
-        add(shared, fit(name))
-    start(shared, "runs", ME)
-    shared.dismiss("ended")
+        add(cluster_store, fit(name))
+    start(cluster_store, "runs", ME)
+    cluster_store.dismiss("ended")
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed' WHERE args->>'fit_id' <> 'waits'"))
-    assert shared.requeue_lost(60.0) == 1
+    assert cluster_store.requeue_lost(60.0) == 1
     assert sorted(jobs(database)) == ["failed"] * 3 + ["todo"] * 2
-    assert shared.requeue_lost(0.0) == 0
+    assert cluster_store.requeue_lost(0.0) == 0

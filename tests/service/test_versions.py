@@ -74,7 +74,7 @@ def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine:
 
 
 def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine) -> None:
-    new = {"parts", "unsummed", "whole", "slice", "summary", "owner"}
+    new = {"parts", "unsummed", "whole", "slice", "summary", "owner", "turn", "place"}
     old = Table("fits", MetaData(), *(Column(c.name, c.type) for c in table.columns if c.name not in new))
     prepare(engine, [dataclasses.replace(FITS, make=old.create, steps={"0.1.0": ""}, columns=frozenset())])
     with engine.begin() as connection:
@@ -83,9 +83,9 @@ def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine
     assert columns(engine) == FITS.columns
     assert "ix_fits_whole" in {index["name"] for index in inspect(engine).get_indexes("fits")}
     with engine.connect() as connection:
-        assert connection.execute(text("SELECT parts, unsummed, whole, slice, summary, owner FROM fits")).all() == [
-            (0, 0, None, None, None, "")
-        ]
+        assert connection.execute(
+            text("SELECT parts, unsummed, whole, slice, summary, owner, turn, place FROM fits")
+        ).all() == [(0, 0, None, None, None, "", 0.0, 0)]
 
 
 def shape(engine: Engine, name: str) -> list[tuple[str, str, bool, bool]]:
@@ -100,7 +100,7 @@ def shape(engine: Engine, name: str) -> list[tuple[str, str, bool, bool]]:
     )
 
 
-@pytest.mark.parametrize("name", ["callbacks", "acceptances"])
+@pytest.mark.parametrize("name", ["callbacks", "acceptances", "turns"])
 def test_a_table_that_a_migration_makes_is_like_a_new_one(engine: Engine, name: str) -> None:
     prepare(engine, [FITS])
     made = shape(engine, name)

@@ -1,0 +1,57 @@
+"""The order in which the workers of a cluster take fits: fair between clients, by the predicted time of their fits.
+
+This is start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996). The turn of a fit is the virtual time at which it
+would start if all clients that have waiting fits were served at the same pace:
+
+    turn = max(virtual time, turn + cost of the fit before of the same client)
+
+The virtual time is the least turn of the fits that wait. Job queues have no turns, but places: whole numbers, the least
+first, so a turn is rounded down, and counted from where the virtual time was when the cluster last had nothing to do.
+`service.queue.fair_queue` is fair in the same way for one server, in memory.
+"""
+
+from collections.abc import Sequence
+from math import floor
+from typing import Any
+
+from sqlalchemy import Connection, bindparam, func, select
+from sqlalchemy.dialects.postgresql import insert
+
+from service.jobs.fit import Fit, FitStatus
+from service.store import mapping
+from service.store.schema import fits, turns
+
+# The last place that a job queue knows. A cluster that is never idle would get there in months; it then takes fits as
+# they came, until nothing is left to do.
+LAST_PLACE = 2**31 - 1
+_LIVE = fits.c.status.in_([FitStatus.ACCEPTED, FitStatus.RUNNING])
+_VIRTUAL_TIME = func.coalesce(
+    select(func.min(fits.c.turn)).where(*mapping.queued()).scalar_subquery(),
+    select(func.max(fits.c.turn)).where(_LIVE).scalar_subquery(),
+    select(func.max(turns.c.until)).scalar_subquery(),
+    0.0,
+)
+_NOW = select(_VIRTUAL_TIME, select(func.max(func.floor(fits.c.turn) - fits.c.place)).where(_LIVE).scalar_subquery())
+_ADD = insert(turns).values(client=bindparam("of"), until=bindparam("now") + bindparam("cost"))
+_TAKE = _ADD.on_conflict_do_update(
+    index_elements=[turns.c.client],
+    set_={"until": func.greatest(turns.c.until, bindparam("now")) + bindparam("cost")},
+).returning(turns.c.until)
+
+
+def take(connection: Connection, given: Sequence[Fit]) -> list[dict[str, Any]]:
+    """Return the columns `turn` and `place` of new fits of one client, which it gets one after the other."""
+    virtual, began = connection.execute(_NOW).one()
+    cost = sum(one.cost for one in given)
+    until = connection.execute(_TAKE, {"of": given[0].client, "now": virtual, "cost": cost}).scalar_one()
+    turn, columns = until - cost, []
+    for one in given:
+        place = floor(turn) - int(floor(virtual) if began is None else began)
+        columns.append({"turn": turn, "place": min(place, LAST_PLACE)})
+        turn += one.cost
+    return columns
+
+
+def forget(connection: Connection) -> None:
+    """Forget the clients whose next turn is now in any case."""
+    connection.execute(turns.delete().where(turns.c.until <= _VIRTUAL_TIME))
