@@ -138,7 +138,9 @@ class EmbeddedQueue:
     async def _run_seat(self, *, short: bool) -> None:
         """Run one fit after another."""
         while (fit_id := await self._next(short=short)) is not None:
-            run = asyncio.create_task(self._runner.run(fit_id, short=short), name=f"fit {fit_id}")
+            fit = self._live[fit_id]
+            known = None if fit.parts or fit.whole else fit
+            run = asyncio.create_task(self._runner.run(fit_id, short=short, known=known), name=f"fit {fit_id}")
             self._running[fit_id] = run
             try:
                 await asyncio.wait((run,))  # not `await run`: a fit that is cancelled must not end the seat

@@ -22,6 +22,9 @@ STORE_PAUSES = (1.0, 4.0, 15.0, *[60.0] * 60)
 MAX_AWAY = 91
 # Seconds that releasing a fit may take when this process is about to end; its lease runs out in any case.
 RELEASE_SECONDS = 2.0
+# Seconds after which a start is stored whose worker begins at once. If both were done at the same time, their threads
+# would wait for each other in the interpreter.
+HEAD_START = 0.003
 # Seconds between two rounds of the task that renews a lease and reports progress.
 LEASE_CHECK_SECONDS = 0.5
 
@@ -100,11 +103,19 @@ class Runner:
         """Return the degrees tried so far by a fit that runs here."""
         return list(self._steps.get(fit_id, ()))
 
-    async def run(self, fit_id: str, *, short: bool) -> bool:
+    async def run(self, fit_id: str, *, short: bool, known: Fit | None = None) -> bool:
         """Run one fit to its end, again if its worker dies. When cancelled, kill its worker and release the fit.
 
         It takes a worker of the lane of short fits, or of the lane of all. Return whether the fit has ended here. If
         not, it may have been dismissed, or another process may hold it.
+
+        Parameters
+        ----------
+        fit_id, short
+            Which fit, and whether in the lane of short fits.
+        known
+            The fit as it waits, if it is no part and has none: its worker then begins while the start is being stored.
+            That takes some milliseconds, as long as a small fit.
 
         Raises
         ------
@@ -112,23 +123,36 @@ class Runner:
             If its points cannot be read. It was released, to be run again after `pause` seconds by any process.
 
         """
-        while (fit := await self._retried(self._store.start, fit_id, self._holder)) is not None:
-            try:
-                if await self._attempt(fit, self._lanes.short if short else self._lanes.any_length):
+        workers = self._lanes.short if short else self._lanes.any_length
+        work = None if known is None else self._begun(known, workers)
+        try:
+            if work is not None:
+                await asyncio.wait((work,), timeout=HEAD_START)
+            while (fit := await self._retried(self._store.start, fit_id, self._holder)) is not None:
+                if await self._attempt(fit, work or self._begun(fit, workers)):
                     return True
-            except asyncio.CancelledError:
-                await asyncio.shield(self._release(fit))
-                raise
-            finally:
-                self._steps.pop(fit_id, None)
+                work = None
+        finally:
+            self._steps.pop(fit_id, None)
+            if work is not None:
+                await _cancelled(work)
         return False
 
-    async def _attempt(self, fit: Fit, workers: Workers) -> bool:
+    async def _attempt(self, fit: Fit, work: asyncio.Task[bytes]) -> bool:
         """Run one attempt and store how it ended; return whether the fit has ended with it."""
         self._observer.started(fit)
-        began = time.monotonic()
         try:
-            result = await self._while_held(fit, workers)
+            return await self._outcome(fit, work, time.monotonic())
+        except asyncio.CancelledError:
+            await asyncio.shield(self._release(fit))
+            raise
+        finally:
+            self._steps.pop(fit.id, None)
+
+    async def _outcome(self, fit: Fit, work: asyncio.Task[bytes], began: float) -> bool:
+        """Wait for the work on a fit, and store how it ended; return whether the fit has ended with it."""
+        try:
+            result = await self._while_held(fit, work)
         except WorkerCrashedError as error:
             logger.warning("fit %s, attempt %d: %s", fit.id, fit.attempt, error)
             if fit.crashes + 1 < MAX_CRASHES:
@@ -166,18 +190,18 @@ class Runner:
             return Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
         return Failure("out-of-memory", str(error))
 
-    async def _while_held(self, fit: Fit, workers: Workers) -> bytes | None:
+    def _begun(self, fit: Fit, workers: Workers) -> asyncio.Task[bytes]:
+        """Begin the work on a fit."""
+        return asyncio.create_task(self._in_worker(fit, self._steps.setdefault(fit.id, []), workers))
+
+    async def _while_held(self, fit: Fit, work: asyncio.Task[bytes]) -> bytes | None:
         """Return the result; or kill the worker and return None as soon as this attempt does not hold the fit."""
-        steps = self._steps.setdefault(fit.id, [])
-        work = asyncio.create_task(self._in_worker(fit, steps, workers))
-        keeper = asyncio.create_task(self._keep_lease(fit.id, fit.attempt, steps))
+        keeper = asyncio.create_task(self._keep_lease(fit.id, fit.attempt, self._steps.setdefault(fit.id, [])))
         try:
             await asyncio.wait((work, keeper), return_when=asyncio.FIRST_COMPLETED)
             return work.result() if work.done() else None
         finally:
-            for task in (keeper, work):
-                task.cancel()
-            await asyncio.gather(keeper, work, return_exceptions=True)
+            await _cancelled(keeper, work)
 
     async def _keep_lease(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> None:
         """Renew the lease after each third of it, and report progress; return when the lease is lost.
@@ -227,3 +251,10 @@ class Runner:
                 logger.exception("the store failed; the next try is in %g s", pause)
                 await asyncio.sleep(pause)
         return await asyncio.to_thread(call, *arguments)
+
+
+async def _cancelled(*tasks: asyncio.Task[Any]) -> None:
+    """Cancel tasks and return when they have ended."""
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)

@@ -56,6 +56,7 @@ class WorkerPool:
         # First in, first out: a seat whose worker was just killed gets the longest time to start another.
         self._free: asyncio.Queue[ProcessPool] = asyncio.Queue()
         self._evictions: set[asyncio.Task[None]] = set()
+        self._used: set[ProcessPool] = set()  # seats whose worker was started
         self.deaths = 0
         for seat in self._seats:
             self._free.put_nowait(seat)
@@ -190,15 +191,17 @@ class WorkerPool:
     async def _usable(self, seat: ProcessPool) -> ProcessPool:
         """Return this seat, or a new one if its idle worker was killed.
 
-        Reading `active` starts the worker of a seat that has none, which takes too long for the event loop.
+        Reading `active` starts the worker of a new seat, which takes too long for the event loop.
         """
-        active = await asyncio.to_thread(lambda: seat.active)
+        active = seat.active if seat in self._used else await asyncio.to_thread(lambda: seat.active)
+        self._used.add(seat)
         return seat if active else self._replace(seat)
 
     def _replace(self, seat: ProcessPool) -> ProcessPool:
         """Put a new seat in the place of a broken one, which is closed in the background."""
         logger.warning("a worker process died and is replaced")
         self.deaths += 1
+        self._used.discard(seat)
         seat.stop()  # type: ignore[no-untyped-call] # as above
         asyncio.get_running_loop().run_in_executor(None, seat.join)
         new = self._new_seat()

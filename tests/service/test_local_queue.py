@@ -6,10 +6,11 @@ from pathlib import Path
 
 from sqlalchemy import text
 
-from service.jobs.fit import FitStatus
+from service.jobs.fit import Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.queue.runner import MAX_AWAY
 from tests.service.queues import Bench, run
+from tests.service.running import until
 from tests.service.stores import start
 
 
@@ -48,6 +49,42 @@ def test_progress_is_there_while_a_fit_runs_and_not_after(tmp_path: Path) -> Non
         assert await b.queue.progress("one") == [{"degree": 3}]
         await b.ended("one")
         assert await b.queue.progress("one") == []
+
+    run(tmp_path, script)
+
+
+def test_the_work_begins_while_the_start_is_being_stored(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        store_start, loop = b.store.start, asyncio.get_running_loop()
+
+        def start_when_begun(fit_id: str, holder: LeaseHolder) -> Fit | None:
+            until(lambda: asyncio.run_coroutine_threadsafe(b.queue.progress(fit_id), loop).result(), 10.0)
+            return store_start(fit_id, holder)
+
+        b.store.start = start_when_begun  # type: ignore[method-assign] # the real one, but later
+        b.submit("one", seconds=0.2)
+        assert (await b.ended("one")).result == b"answer"
+
+    run(tmp_path, script)
+
+
+def test_work_that_began_for_a_fit_which_does_not_start_is_killed(tmp_path: Path) -> None:
+    async def script(b: Bench) -> None:
+        store_start, loop = b.store.start, asyncio.get_running_loop()
+
+        def dismiss_when_begun(fit_id: str, holder: LeaseHolder) -> Fit | None:
+            if fit_id == "one":
+                until(lambda: asyncio.run_coroutine_threadsafe(b.queue.progress(fit_id), loop).result(), 10.0)
+                b.store.dismiss(fit_id)
+            return store_start(fit_id, holder)
+
+        b.store.start = dismiss_when_begun  # type: ignore[method-assign] # as above
+        b.submit("one", seconds=60.0)
+        assert (await b.ended("one")).status is FitStatus.DISMISSED
+        assert await b.queue.progress("one") == []
+        assert b.workers.busy == 0
+        b.submit("two")
+        assert (await b.ended("two")).status is FitStatus.SUCCESSFUL
 
     run(tmp_path, script)
 
