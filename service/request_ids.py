@@ -6,9 +6,11 @@ They stand in every answer and in every line of the log that is written for the 
 import re
 from collections.abc import Callable
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from secrets import token_hex
 from typing import Self
+
+from opentelemetry.trace import SpanContext
 
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._:+/=@-]{1,128}")
 _TRACEPARENT = re.compile(r"([0-9a-f]{2})-([0-9a-f]{32})-([0-9a-f]{16})-([0-9a-f]{2})(-.*)?")
@@ -51,6 +53,13 @@ class RequestIds:
             token_hex(8),
             sampled=sampled,
         )
+
+    def within(self, span: SpanContext) -> Self:
+        """Return these names with the place in a trace that a span has, if there is one: if OpenTelemetry is set up."""
+        if not span.is_valid:
+            return self
+        trace_id, span_id = f"{span.trace_id:032x}", f"{span.span_id:016x}"
+        return replace(self, trace_id=trace_id, span_id=span_id, sampled=span.trace_flags.sampled)
 
     @property
     def headers(self) -> dict[str, str]:

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from fastapi import Request
+from opentelemetry import trace
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -27,6 +28,8 @@ _IDS, _PHASES = "request_ids", "phases"
 # What is counted in the place of a route or a method that this server does not have. Callers may send anything, and
 # each value would be counted apart, for ever.
 UNKNOWN = "none"
+# Its spans go nowhere, and cost nothing to speak of, unless an exporter is set up (`service.api.app`).
+TRACER = trace.get_tracer("ipfit")
 METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 
 
@@ -42,7 +45,8 @@ class Answers:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        ids, began = RequestIds.of(Headers(scope=scope).get), time.perf_counter()
+        began, span = time.perf_counter(), trace.get_current_span().get_span_context()
+        ids = RequestIds.of(Headers(scope=scope).get).within(span)
         state: dict[str, Any] = scope.setdefault("state", {})
         state[_IDS], state[_PHASES] = ids, {}
         CURRENT.set(ids)
@@ -86,9 +90,10 @@ def ids(request: Request) -> RequestIds:
 
 @contextmanager
 def phase(request: Request, name: str) -> Iterator[None]:
-    """Measure a phase of the work for a request; the answer's Server-Timing lists it."""
+    """Measure a phase of the work for a request; the answer's Server-Timing lists it, and it is a span of its trace."""
     began = time.perf_counter()
     try:
-        yield
+        with TRACER.start_as_current_span(name):
+            yield
     finally:
         getattr(request.state, _PHASES)[name] = time.perf_counter() - began

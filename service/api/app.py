@@ -1,8 +1,9 @@
 """The web application; `service.bootstrap` makes the parts that it uses."""
 
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, MutableMapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from importlib.metadata import version
+from typing import Any
 
 from fastapi import Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
@@ -56,6 +57,9 @@ CORS_READ = [
     "Zero-Set-Warning",
 ]
 
+# The last parts of the paths of what supervisors ask every few seconds: requests that nobody wants to trace.
+SUPERVISED = {"livez", "readyz", "metrics"}
+
 Startup = Callable[[], AbstractAsyncContextManager[Context]]
 
 
@@ -90,6 +94,8 @@ def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
         dependencies=[Depends(refuse_unknown_parameters)],
         lifespan=lifespan,
         generate_unique_id_function=lambda route: route.name,
+        # with the extra `otel`, if OTEL_EXPORTER_OTLP_ENDPOINT says where to
+        telemetry={"auto_configure": True, "exclude": _is_supervision},
     )
     app.add_middleware(HeadAndOptions)
     if cors_origins:
@@ -106,3 +112,7 @@ def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
     app.include_router(metrics.router, dependencies=[Depends(caller_of)])
     docs.install(app)
     return app
+
+
+def _is_supervision(scope: MutableMapping[str, Any]) -> bool:
+    return str(scope.get("path", "")).rpartition("/")[2] in SUPERVISED
