@@ -21,7 +21,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check contract lint-api chaos hostile bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
+.PHONY: serve test check contract lint-api chaos hostile load bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -86,10 +86,14 @@ chaos: $(VENV)/.dev-stamp ## kill everything at random under load, on both engin
 hostile: $(VENV)/.dev-stamp ## measure what others notice of clients that flood, stall or leave (some minutes)
 	$(BIN)/python -m load.hostile $(ARGS)
 
-lock: .venv-lock/.stamp ## write requirements.lock, those of tests/ and bench/, and package-lock.json anew (needs npm)
-	$(COMPILE) --group build --extra s3 --extra examples -o requirements.lock pyproject.toml
-	$(COMPILE) --group build --extra s3 --extra examples --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
-	$(COMPILE) --group build --extra s3 --extra examples --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
+load: $(VENV)/.load-stamp ## measure throughput and times under load, on both engines (a quarter of an hour; Tsung for open loops)
+	$(BIN)/python -m load.loops $(ARGS)
+
+lock: .venv-lock/.stamp ## write requirements.lock, those of tests/, bench/ and load/, and package-lock.json anew (needs npm)
+	$(COMPILE) --group build --extra s3 --extra otel --extra examples -o requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra dev --extra load -c tests/requirements.lock -o load/requirements.lock pyproject.toml
 	$(COMPILE) -o tests/contract/requirements.lock tests/contract/requirements.in
 	cd $(CONTRACT) && npm install --package-lock-only
 
@@ -116,6 +120,11 @@ $(VENV)/.serve-stamp: $(VENV)/.venv-stamp requirements.lock pyproject.toml
 # The dev lock holds the same pins and more, so both stamps can share one environment.
 $(VENV)/.dev-stamp: $(VENV)/.venv-stamp requirements.lock tests/requirements.lock pyproject.toml
 	$(INSTALL) tests/requirements.lock
+	$(INSTALL_SELF)
+	@touch $@
+
+$(VENV)/.load-stamp: $(VENV)/.dev-stamp load/requirements.lock
+	$(INSTALL) load/requirements.lock
 	$(INSTALL_SELF)
 	@touch $@
 

@@ -28,27 +28,18 @@ import numpy as np
 import orjson
 
 import ipcore
+from load.engines import ENGINES, running
+from load.loops.traffic import outlines
 from service.workers.fork_server import BLAS_THREADS
 from tests.service.bodies import npy, torus
-from tests.service.clusters import Cluster
-from tests.service.postgres import Postgres
-from tests.service.running import Server, ticks
+from tests.service.running import ticks
 
 PROCESSES, CLIENTS = 2, 8
 ROUNDS, SECONDS = 7, 4.0
 LATENCY_ROUNDS = 30
-SETTINGS: dict[str, object] = {"WORKERS": PROCESSES, "SHORT_WORKERS": 0, "CLIENT_SHARE": 1}
 
 
-def outlines(count: int) -> list[bytes]:
-    """Return outlines of so many points, of different shapes, as npy."""
-    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    lobes = [(n, depth) for n in (2, 3, 4, 5) for depth in (0.05, 0.1, 0.15, 0.2, 0.25)]
-    return [npy((1.0 + depth * np.cos(n * angle + depth))[:, None] * circle) for n, depth in lobes]
-
-
-THROUGHPUT = {"outlines of 60 points": outlines(60), "outlines of 500 points": outlines(500)}
+THROUGHPUT = {f"outlines of {count} points": [one.body for one in outlines(count)] for count in (60, 500)}
 LATENCY = THROUGHPUT | {"torus of 100,000 oriented points": [npy(torus(100_000))]}
 
 
@@ -115,27 +106,6 @@ def processes(count: int) -> Iterator[Pool]:
         yield pool
 
 
-@contextmanager
-def server(engine: str, folder: Path) -> Iterator[tuple[int, list[int]]]:
-    """Yield the port of a server, and the processes that supervise fits: of a cluster, the server and its worker."""
-    if engine == "embedded":
-        program = Server(folder / "data", **SETTINGS)
-        try:
-            yield program.client.base_url.port or 80, [program.process.pid]
-        finally:
-            program.kill()
-        return
-    postgres = Postgres()
-    cluster = Cluster(folder, postgres, **SETTINGS | {"LEASE": 60})
-    try:
-        worker, api = cluster.work(), cluster.serve()
-        cluster.await_workers()
-        yield api.client.base_url.port or 80, [api.process.pid, worker.process.pid]
-    finally:
-        cluster.end()
-        postgres.remove()
-
-
 def throughput(port: int, pids: list[int], name: str) -> str:
     """Return the row of a kind of outlines."""
     bodies, alone, over_http, used = THROUGHPUT[name], [], [], []
@@ -171,20 +141,20 @@ def latency(port: int, name: str) -> str:
 def main() -> None:
     """Measure one engine and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("engine", choices=("embedded", "cluster"))
+    parser.add_argument("engine", choices=ENGINES)
     arguments = parser.parse_args()
     with (
         tempfile.TemporaryDirectory(prefix="ipfit-load-") as folder,
-        server(arguments.engine, Path(folder)) as (port, pids),
+        running(arguments.engine, Path(folder), WORKERS=PROCESSES) as engine,
     ):
         print("| eight clients | fits/s alone | over HTTP | share | processor time of a fit outside the worker |")
         print(f"|{' --- |' * 5}")
         for name in THROUGHPUT:
-            print(throughput(port, pids, name), flush=True)
+            print(throughput(engine.port, engine.supervisors, name), flush=True)
         print("\n| one client | alone | over HTTP | more |")
         print(f"|{' --- |' * 4}")
         for name in LATENCY:
-            print(latency(port, name), flush=True)
+            print(latency(engine.port, name), flush=True)
 
 
 if __name__ == "__main__":

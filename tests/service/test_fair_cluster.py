@@ -71,13 +71,23 @@ def test_what_has_ended_counts_while_others_wait(cluster_store: SqlFits, databas
 
 
 def test_who_had_nothing_to_do_saves_no_time_up(cluster_store: SqlFits, database: Engine) -> None:
+    add(cluster_store, fit("earlier", client="b", cost=1.0))
     for number in range(10):
         add(cluster_store, fit(f"a{number}", client="a", cost=100.0))
-    for _ in range(5):
+    for _ in range(6):
         serve(cluster_store, database)
     for number in range(3):
         add(cluster_store, fit(f"b{number}", client="b", cost=100.0))
     assert [serve(cluster_store, database)[0] for _ in range(6)] == ["a", "b", "a", "b", "a", "b"]
+
+
+def test_what_runs_counts_when_nothing_waits(cluster_store: SqlFits, database: Engine) -> None:
+    add(cluster_store, fit("a0", client="a", cost=100.0))
+    assert start(cluster_store, fetch(database), ME) == 1
+    add(cluster_store, fit("b0", client="b", cost=50.0))
+    add(cluster_store, fit("a1", client="a", cost=100.0))
+    add(cluster_store, fit("b1", client="b", cost=50.0))
+    assert line(database) == ["b0", "b1", "a1"]
 
 
 def test_parts_come_one_after_the_other_between_fits_of_others(cluster_store: SqlFits, database: Engine) -> None:
