@@ -42,6 +42,7 @@ from tests.service.running import until
 from tests.service.stores import QUEUE
 
 JOBS, WORKERS = 3000, (1, 8, 32)
+CONNECTIONS = 500  # of PostgreSQL; a worker holds six or more
 ENDED, STARTS = 1_000_000, 5
 # A row of a fit that has ended long ago, with a result of the usual size of a plane curve.
 FILL = """
@@ -142,7 +143,7 @@ def starts(postgres: Postgres, ended: int) -> str:
 def main() -> None:
     """Measure and print the tables."""
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
-    postgres = Postgres()
+    postgres = Postgres(max_connections=str(CONNECTIONS))
     try:
         print("| workers | jobs/s |\n| --- | --- |")
         for count in WORKERS:

@@ -26,7 +26,8 @@ SETTINGS = {"listen_addresses": "", "max_connections": "200", "shared_buffers": 
 class Postgres:
     """One PostgreSQL server that can be started, killed and started again."""
 
-    def __init__(self) -> None:
+    def __init__(self, **settings: str) -> None:
+        self._settings = SETTINGS | settings
         self._folder = Path(tempfile.mkdtemp(prefix="ipfit-pg-"))
         self._as: dict[str, Any] = {"cwd": self._folder}
         self._programs = _installed()
@@ -40,7 +41,7 @@ class Postgres:
 
     def start(self) -> None:
         """Start the server; after a kill, it recovers what was committed."""
-        told = [word for name, value in SETTINGS.items() for word in ("-c", f"{name}={value}")]
+        told = [word for name, value in self._settings.items() for word in ("-c", f"{name}={value}")]
         command: list[str | Path] = [self._programs / "postgres", "-D", "data", "-k", self._folder, *told]
         with (self._folder / "log").open("ab") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=log, **self._as)  # noqa: S603 - the package's
