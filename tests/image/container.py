@@ -9,7 +9,7 @@ from uuid import uuid4
 
 import httpx
 
-from tests.image.podman import Podman
+from tests.image.podman import PIPED, Podman
 from tests.service.running import until
 
 NPY = {"Content-Type": "application/x-npy"}
@@ -39,7 +39,7 @@ class Container:
         words = [f"--env={name}={value}" for name, value in told.items()]
         run = podman.run_command(image, command, user=user, options=(f"--name={self._name}", *words, *options))
         with self._log.open("wb") as log:
-            self._process = subprocess.Popen(run, stdout=log, stderr=subprocess.STDOUT)  # noqa: S603 - podman, with ours
+            self._process = subprocess.Popen(run, stdin=subprocess.PIPE, stdout=log, stderr=subprocess.STDOUT)  # noqa: S603 - podman, with ours
         self.client = httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0)
 
     @property
@@ -59,7 +59,7 @@ class Container:
 
     def run(self, *words: str) -> str:
         """Run a program inside, beside the server, and return what it printed."""
-        return self._podman("exec", self._name, *words)
+        return self._podman("exec", PIPED, self._name, *words)
 
     def stop(self, seconds: float = 10.0) -> None:
         """Send SIGTERM, as every manager of containers does; it must exit with 0 at once."""
@@ -73,6 +73,8 @@ class Container:
         if self._process.poll() is None:
             self._podman("rm", "--force", "--time=0", self._name)
             self._process.wait(20.0)
+        if self._process.stdin is not None:
+            self._process.stdin.close()
 
     def ended(self, seconds: float = 60.0) -> int:
         """Return the exit status, as soon as it has ended by itself."""

@@ -17,6 +17,8 @@ _HIDING = 'umount /sys/fs/cgroup/unified 2>/dev/null; exec "$@"'
 _OWN_MOUNTS = ("unshare", "--mount", "sh", "-c", _HIDING, "-")
 # podman asks for as much, or for more than there is; where it may not, it starts nothing.
 _MOST = {"nofile": (resource.RLIMIT_NOFILE, 2**20), "nproc": (resource.RLIMIT_NPROC, 2**15)}
+# A pipe as standard input: crun gives what is there to the user of the container, and else that is /dev/null itself.
+PIPED = "--interactive"
 CONFINED = (
     *("--read-only", "--read-only-tmpfs=false", "--tmpfs=/tmp"),
     *("--cap-drop=all", "--security-opt=no-new-privileges", "--passwd=false"),
@@ -68,14 +70,14 @@ class Podman:
         for name, (limit, most) in _MOST.items():
             soft, hard = (most if one == resource.RLIM_INFINITY else one for one in resource.getrlimit(limit))
             limits.append(f"--ulimit={name}={min(soft, most)}:{min(hard, most)}")
-        usual = ("run", "--rm", "--pull=never", "--network=host", "--cgroups=disabled", "--no-healthcheck", *limits)
-        return [*self._podman, *usual, *CONFINED, f"--user={user}", *options, image, *words]
+        usual = ("run", PIPED, "--rm", "--pull=never", "--network=host", "--cgroups=disabled", "--no-healthcheck")
+        return [*self._podman, *usual, *limits, *CONFINED, f"--user={user}", *options, image, *words]
 
     def read(self, image: str, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
         """Run one program of an image to its end, as a user that the image does not know."""
         options = ["--entrypoint=", *(f"--env={name}={value}" for name, value in environment.items())]
         command = self.run_command(image, *words, user="12345:0", options=tuple(options))
-        return subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)  # noqa: S603 - as above
+        return subprocess.run(command, input="", capture_output=True, text=True, timeout=60.0, check=False)  # noqa: S603 - as above
 
     def remove(self) -> None:
         """Remove all containers, and the folder with the images and volumes."""
