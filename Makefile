@@ -21,7 +21,7 @@ COMPILE = .venv-lock/bin/uv pip compile --quiet --no-config --universal --python
 .DEFAULT_GOAL := serve
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: serve test check contract lint-api chaos hostile load bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
+.PHONY: serve test check contract lint-api image-check chaos hostile load bench bench-parts bench-paper bench-predictions bench-quality lock openapi docs clean help
 
 serve: $(VENV)/.serve-stamp ## run the service (ARGS="…" goes to `ipfit serve`); the default
 	exec $(BIN)/ipfit serve $(ARGS)
@@ -52,6 +52,10 @@ check: $(VENV)/.dev-stamp contract ## everything CI checks: style, types, layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(PYTEST) --cov --cov-report=term $(ARGS)
+
+# In one process, so that both images are built once. Building takes minutes, and counts for the first test.
+image-check: $(VENV)/.dev-stamp ## build both container images and run them without rights (needs podman; some minutes)
+	$(BIN)/python -m pytest tests/image --timeout=1200 $(ARGS)
 
 openapi: $(VENV)/.serve-stamp ## write openapi/openapi.json
 	mkdir -p openapi

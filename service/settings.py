@@ -2,10 +2,12 @@
 
 import os
 from base64 import b64decode
+from importlib.util import find_spec
 from ipaddress import ip_network
 from pathlib import Path
 from typing import Literal
 
+from fsspec.registry import known_implementations
 from pydantic import Field, SecretStr, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
@@ -168,6 +170,17 @@ class Settings(BaseSettings):
         description="Networks that callbacks may be sent to though they are not public, with commas between, such as "
         "`10.0.0.0/8,fd00::/8`.",
     )
+
+    @field_validator("blobs_url")
+    @classmethod
+    def _check_storage(cls, value: str | None) -> str | None:
+        """Refuse storage whose package is missing: the server would start, and fail at every fit."""
+        kind = (value or "").partition("://")[0]
+        known = known_implementations.get(kind, {"class": __name__})
+        if find_spec(known["class"].partition(".")[0]) is None:
+            hint = 'pip install "ipfit[s3]", or the container image for S3' if kind == "s3" else known.get("err", "")
+            raise ValueError(f"the package for {kind}:// is not installed: {hint}")
+        return value
 
     @field_validator("callback_secret")
     @classmethod

@@ -89,6 +89,23 @@ def test_every_setting_in_them_is_one(file: Path) -> None:
     assert set(re.findall(r"IPFIT_[A-Z_]+", file.read_text(encoding="utf-8"))) <= known
 
 
+def test_every_image_that_is_used_is_one_that_the_dockerfile_makes() -> None:
+    stages = re.findall(r"^FROM \S+ AS (\S+)$", (ROOT / "Dockerfile").read_text(encoding="utf-8"), re.MULTILINE)
+    made = stages[-2:]  # the others are what these are made of
+    assert made == ["s3", "plain"]  # without a target, the last one is built
+    services = yaml.safe_load((DEPLOY / "compose.yaml").read_text(encoding="utf-8"))["services"].values()
+    assert {one["build"]["target"] for one in services if "build" in one} == {"plain"}
+    release = yaml.safe_load((ROOT / ".github" / "workflows" / "release.yml").read_text(encoding="utf-8"))
+    assert {one["target"] for one in release["jobs"]["image"]["strategy"]["matrix"]["include"]} == set(made)
+
+
+def test_point_sets_in_an_s3_come_with_the_image_that_can_read_them() -> None:
+    (settings,) = [one["data"] for one in DOCUMENTS if one["kind"] == "ConfigMap"]
+    (own,) = [one for one in DOCUMENTS if one["kind"] == "Kustomization"]
+    wants_s3 = settings["IPFIT_BLOBS_URL"].startswith("s3://")
+    assert [image["newTag"].endswith("-s3") for image in own["images"]] == [wants_s3]
+
+
 def exposed() -> set[str]:
     """Return the names of the samples of all metrics of this project."""
     metrics = Metrics()

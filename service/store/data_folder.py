@@ -1,14 +1,19 @@
 """The data folder of one server: its files, and the lock that lets one server at a time use it."""
 
 import fcntl
+import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 
 class FolderInUseError(Exception):
     """Another server uses this folder: both would run the same fits."""
+
+
+class FolderDeniedError(Exception):
+    """The user of this process may not write to this folder."""
 
 
 @dataclass(frozen=True)
@@ -51,16 +56,23 @@ def opened(path: Path) -> Iterator[DataFolder]:
 
     Raises
     ------
+    FolderDeniedError
+        If this user may not write to it, or to what is in it.
     FolderInUseError
         If another server has it open.
 
     """
     folder = DataFolder(path.absolute())
-    for one in (folder.path, folder.incoming, folder.files):
-        one.mkdir(parents=True, exist_ok=True, mode=0o700)
-    with suppress(PermissionError):  # another user made it for this one, as for a volume of a container
-        folder.path.chmod(folder.path.stat().st_mode & 0o770)
-    with (folder.path / "lock").open("w") as lock:
+    with ExitStack() as stack:
+        try:
+            _make(folder)
+            lock = stack.enter_context((folder.path / "lock").open("w"))
+        except OSError as error:
+            user = f"user {os.geteuid()} of group {os.getegid()}"
+            raise FolderDeniedError(
+                f"{error.filename} cannot be written by {user} ({error.strerror}); "
+                "set IPFIT_DATA_DIR to a folder that can"
+            ) from error
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the system releases it when the process ends
         except BlockingIOError as error:
@@ -70,3 +82,11 @@ def opened(path: Path) -> Iterator[DataFolder]:
         for left in (*folder.incoming.iterdir(), *folder.files.iterdir()):
             left.unlink()
         yield folder
+
+
+def _make(folder: DataFolder) -> None:
+    """Make the folder and those in it, for the user of this process alone."""
+    for one in (folder.path, folder.incoming, folder.files):
+        one.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with suppress(PermissionError):  # another user made it for this one, as for a volume of a container
+        folder.path.chmod(folder.path.stat().st_mode & 0o770)

@@ -10,7 +10,9 @@ from pathlib import Path
 from uuid import uuid4
 
 import pytest
+from fsspec.registry import known_implementations
 
+from service.settings import Settings
 from service.store.blobs import Blobs
 
 
@@ -90,3 +92,14 @@ def test_keys_are_those_of_whole_blobs_and_old_halves_are_cleared_away(tmp_path:
     (tmp_path / "README").write_text("somebody else's", encoding="utf-8")
     assert set(blobs.keys()) == keys
     assert {path.name for path in files(tmp_path)} == {*keys, f"{64 * 'a'}.fresh", "README"}
+
+
+def test_storage_whose_package_is_missing_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("IPFIT_BLOBS_URL", "s3://bucket")
+    assert Settings().blobs_url == "s3://bucket"
+    monkeypatch.setitem(known_implementations, "s3", {"class": "missing_package.S3", "err": "Install it"})
+    with pytest.raises(ValueError, match=r"s3:// is not installed.*ipfit\[s3\]"):
+        Settings()
+    for url in ("/folder", "file:///folder", "memory://folder"):
+        monkeypatch.setenv("IPFIT_BLOBS_URL", url)
+        assert Settings().blobs_url == url
