@@ -47,9 +47,9 @@ ENDED, STARTS = 1_000_000, 5
 # A row of a fit that has ended long ago, with a result of the usual size of a plane curve.
 FILL = """
 INSERT INTO fits (id, status, input, dimension, points, options, client, cost, payload, created, touched, started,
-                  finished, size, result)
+                  finished, size, result, attempt, crashes, abandoned, parts, unsummed)
 SELECT 'ended-' || n, 'successful', md5(n::text), 2, 500, '{}', '192.0.2.' || n %% 250, 0.1, md5(n::text), moment,
-       moment, moment, moment, 12000, convert_to(repeat(md5(n::text), 60), 'utf8')
+       moment, moment, moment, 5000, convert_to(repeat(md5(n::text), 60), 'utf8'), 1, 0, 0, 0, 0
 FROM (SELECT n, now() - n * interval '0.5 s' AS moment FROM generate_series(1, %(count)s) AS n) AS ended
 """
 

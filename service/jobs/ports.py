@@ -115,8 +115,11 @@ class FitStore(Protocol):
     def progress(self, fit_id: str) -> list[dict[str, Any]]:
         """Return the degrees that were reported."""
 
-    def outdated(self, age: float, size: int) -> list[str]:
-        """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
+    def outdated(self, age: float, size: int | None = None) -> list[str]:
+        """Return ids of fits that ended `age` seconds ago; else of the oldest beyond `size` bytes of ended fits.
+
+        The oldest are first; there may be more.
+        """
 
     def forget_past(self) -> None:
         """Forget of clients and owners what has no effect any more: when fits were accepted, turns in the queue."""

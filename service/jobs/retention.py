@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from service.jobs.ports import BlobStore, FitStore
@@ -11,6 +12,10 @@ logger = logging.getLogger(__name__)
 
 # Seconds between two removals of old fits.
 SWEEP_SECONDS = 60.0
+# Seconds between two looks at the size of all ended fits, for which the database reads a row of each.
+SIZE_SECONDS = 50.0
+# Seconds after which a removal of old fits leaves the rest to the next one: a program that stops waits for it.
+LONGEST_SWEEP = 2.0
 # Seconds between two removals of point sets without a fit, for which all point sets have to be listed.
 ORPHAN_SECONDS = 3600.0
 
@@ -39,18 +44,31 @@ class Retention:
     size: int
     exclusive: bool = False
     _orphans_removed: float = field(default=float("-inf"), init=False)
+    _sized: float = field(default=float("-inf"), init=False)
 
     def sweep(self) -> int:
-        """Remove the fits that need not be kept any longer; return how many.
+        """Remove fits that need not be kept any longer, as many as a moment allows; return how many.
 
         A callback that could not be delivered yet is tried further: it is small, and was promised.
         """
+        end = time.monotonic() + LONGEST_SWEEP
         self.store.forget_past()
-        outdated = self.store.outdated(self.age, self.size)
-        removed = sum(self.store.remove(one, self.blobs.delete, keep_callback=True) for one in outdated)
+        removed = 0
+        for one in self._outdated():
+            removed += self.store.remove(one, self.blobs.delete, keep_callback=True)
+            if time.monotonic() > end:
+                self._sized = float("-inf")  # there may be more
+                break
         if self.exclusive and time.monotonic() > self._orphans_removed + ORPHAN_SECONDS:
             self._remove_orphans()
         return removed
+
+    def _outdated(self) -> Sequence[str]:
+        """Return the oldest fits that need not be kept: for their age, or now and then for the size of all."""
+        if time.monotonic() < self._sized + SIZE_SECONDS:
+            return self.store.outdated(self.age)
+        self._sized = time.monotonic()
+        return self.store.outdated(self.age, self.size)
 
     def _remove_orphans(self) -> None:
         """Remove point sets that belong to no fit: a crash between storing the two leaves them."""

@@ -212,8 +212,8 @@ class SqlFits:
         with self._engine.begin() as connection:
             return transitions.requeue_lost(connection, self._queue, seconds)
 
-    def outdated(self, age: float, size: int) -> list[str]:
-        """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
+    def outdated(self, age: float, size: int | None = None) -> list[str]:
+        """Return ids of fits that ended `age` seconds ago; else of the oldest beyond `size` bytes of ended fits."""
         with self._engine.connect() as connection:
             return queries.outdated(connection, age, size)
 

@@ -18,6 +18,7 @@ from service.store.transitions import clock
 
 _WHOLE = func.coalesce(fits.c.whole, fits.c.id)  # of a part its fit, of a fit itself
 ENDED = [status for status in FitStatus if status.final]
+MOST_OUTDATED = 1000  # fits that are named at once
 # As in `transitions`, built once.
 _FITS = select(fits, *outbox.CALLBACK_COLUMNS).outerjoin(callbacks, callbacks.c.fit == fits.c.id)
 _BY_ID, _BY_KEY = _FITS.where(fits.c.id == bindparam("fit")), _FITS.where(fits.c.key == bindparam("stored_key"))
@@ -124,11 +125,18 @@ def unused(connection: Connection, keys: Iterable[str]) -> list[str]:
     return [key for key in keys if key not in used]
 
 
-def outdated(connection: Connection, age: float, size: int) -> list[str]:
-    """Return the ids of fits that ended `age` seconds ago, and of the oldest beyond `size` bytes of ended fits."""
-    newest_first = func.sum(fits.c.size).over(order_by=(fits.c.finished.desc(), fits.c.id))
-    ended = select(fits.c.id, fits.c.finished, newest_first.label("total"))
-    each = ended.where(fits.c.status.in_(ENDED), fits.c.whole.is_(None)).subquery()  # parts are removed with their fits
+def outdated(connection: Connection, age: float, size: int | None) -> list[str]:
+    """Return ids of fits that ended `age` seconds ago; else of the oldest beyond `size` bytes of ended fits."""
+    ended = [fits.c.status.in_(ENDED), fits.c.whole.is_(None)]  # parts are removed with their fits
+    oldest = select(fits.c.id, fits.c.size).where(*ended).order_by(fits.c.finished, fits.c.id).limit(MOST_OUTDATED)
     before = clock(connection) - timedelta(seconds=age)  # by the clock that set `finished`
-    too_much = (each.c.finished < before) | (each.c.total > size)
-    return list(connection.execute(select(each.c.id).where(too_much).order_by(each.c.finished)).scalars())
+    found = list(connection.execute(oldest.where(fits.c.finished < before)).scalars())
+    if found or size is None:
+        return found
+    total = connection.execute(select(func.coalesce(func.sum(fits.c.size), 0)).where(*ended)).scalar_one()
+    for row in connection.execute(oldest):
+        if total <= size:
+            break
+        found.append(row.id)
+        total -= row.size
+    return found

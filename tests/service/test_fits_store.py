@@ -12,7 +12,9 @@ from sqlalchemy import exc, text
 
 from service.jobs.admission import Admission
 from service.jobs.fit import TRANSITIONS, Failure, FitStatus
+from service.jobs.retention import Retention
 from service.store import schema
+from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine
 from tests.service.stores import LIMIT, ME, NOW, add, fit, start
@@ -134,6 +136,36 @@ def test_old_fits_and_the_oldest_beyond_a_size_are_outdated(store: SqlFits) -> N
     assert store.outdated(60.0, 1500) == ["a", "b"]
     time.sleep(0.01)
     assert store.outdated(0.001, 4500) == ["a", "b", "c"]
+    assert store.outdated(60.0) == []
+
+
+def test_many_outdated_fits_are_removed_in_several_sweeps(
+    store: SqlFits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("a", "b", "c"):
+        add(store, fit(name, name))
+        start(store, name, ME)
+        store.finish(name, 1, FitStatus.SUCCESSFUL, b"{}", None)
+    monkeypatch.setattr("service.jobs.retention.LONGEST_SWEEP", 0.0)
+    retention = Retention(store, Blobs(str(tmp_path)), age=60.0, size=0)
+    assert [retention.sweep() for _ in range(5)] == [1, 1, 1, 0, 0]
+
+
+def test_the_size_of_all_fits_is_asked_for_now_and_then(
+    store: SqlFits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int | None] = []
+    outdated = store.outdated
+
+    def noted(age: float, size: int | None = None) -> list[str]:
+        asked.append(size)
+        return outdated(age, size)
+
+    monkeypatch.setattr(store, "outdated", noted)
+    retention = Retention(store, Blobs(str(tmp_path)), age=60.0, size=7)
+    for _ in range(3):
+        retention.sweep()
+    assert asked == [7, None, None]
 
 
 def test_everything_is_there_when_the_file_is_opened_again(tmp_path: Path) -> None:
