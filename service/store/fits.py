@@ -61,7 +61,7 @@ class SqlFits:
             outbox.add(connection, fit)
             if self._queue is not None:
                 for one, place in zip(parts or [fit], places, strict=False):
-                    transitions.enqueue(connection, self._queue, one, place["place"])
+                    transitions.enqueue(connection, self._queue, one.id, place["place"], short=place["short_lane"])
         return fit, usage
 
     def has_key(self, owner: str, key: str) -> bool:

@@ -7,6 +7,7 @@ from threading import Event, Lock
 
 from sqlalchemy import (
     BigInteger,
+    Boolean,
     Column,
     Connection,
     DateTime,
@@ -21,6 +22,7 @@ from sqlalchemy import (
     Table,
     create_engine,
     event,
+    false,
 )
 from sqlalchemy import exc as errors
 from sqlalchemy.pool import ConnectionPoolEntry, NullPool
@@ -116,6 +118,7 @@ fits = Table(
     # When it is taken from the queue of the same database, if there is one: `service.store.turns`.
     Column("turn", Float, nullable=False, default=0.0, server_default="0"),
     Column("place", Integer, nullable=False, default=0, server_default="0"),
+    Column("short_lane", Boolean, nullable=False, default=False, server_default=false()),
 )
 # Apart from the fits: a callback that is still to be delivered outlives its fit when that is removed for its age.
 callbacks = Table(
@@ -174,6 +177,7 @@ FITS = MigrationStep(
         "0.2.0 acceptances, found": "CREATE INDEX ix_acceptances_recent ON acceptances (owner, accepted)",
         "0.2.0 turn": "ALTER TABLE fits ADD COLUMN turn FLOAT NOT NULL DEFAULT 0",
         "0.2.0 place": "ALTER TABLE fits ADD COLUMN place INTEGER NOT NULL DEFAULT 0",
+        "0.2.0 short lane": "ALTER TABLE fits ADD COLUMN short_lane BOOLEAN NOT NULL DEFAULT FALSE",
         "0.2.0 turns": "CREATE TABLE turns (client VARCHAR NOT NULL PRIMARY KEY, until FLOAT NOT NULL)",
     },
     columns=frozenset(fits.columns.keys()),

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 import orjson
 from sqlalchemy import ColumnElement, Connection, Update, bindparam, func, select, update
 
-from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus, sources
-from service.store import mapping, outbox
+from service.jobs.fit import MAX_ABANDONED, Failure, FitStatus, sources
+from service.store import outbox
 from service.store.schema import Moment, fits
 
 # The columns of a fit that no process holds.
@@ -76,14 +76,14 @@ def requeue_lost(connection: Connection, queue: JobQueue, seconds: float) -> int
     queued = queue.queued(connection, [one.job for one in found])
     lost = [one for one in found if one.job not in queued]
     for one in lost:
-        enqueue(connection, queue, mapping.to_fit(one), one.place, touched=now)
+        enqueue(connection, queue, one.id, one.place, short=one.short_lane, touched=now)
     return len(lost)
 
 
-def enqueue(connection: Connection, queue: JobQueue, fit: Fit, place: int, **values: object) -> None:
-    """Add a job for a fit to the queue, and store the number of the job with the fit."""
-    job = queue.enqueue(connection, fit.id, place, short=fit.short)
-    connection.execute(update(fits).where(fits.c.id == fit.id).values(job=job, **values))
+def enqueue(connection: Connection, queue: JobQueue, fit_id: str, place: int, *, short: bool, **values: object) -> None:
+    """Add a job for a fit to the queue, in the lane of short fits or of all, and store its number with the fit."""
+    job = queue.enqueue(connection, fit_id, place, short=short)
+    connection.execute(update(fits).where(fits.c.id == fit_id).values(job=job, **values))
 
 
 def transition(  # noqa: PLR0913 - where, which, to what, and the other changes
@@ -172,4 +172,4 @@ def _count_part(connection: Connection, queue: JobQueue | None, whole: str) -> N
     if row.unsummed == 0:
         transition(connection, queue, whole, FitStatus.ACCEPTED, {})
         if queue is not None:
-            enqueue(connection, queue, mapping.to_fit(row), row.place)
+            enqueue(connection, queue, whole, row.place, short=False)

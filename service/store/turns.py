@@ -8,6 +8,9 @@ would start if all clients that have waiting fits were served at the same pace:
 The virtual time is the least turn of the fits that wait. Job queues have no turns, but places: whole numbers, the least
 first, so a turn is rounded down, and counted from where the virtual time was when the cluster last had nothing to do.
 `service.queue.fair_queue` is fair in the same way for one server, in memory.
+
+A short fit goes to the lane that short fits have for themselves, unless another fit of its client is there: the lane is
+for those who send few.
 """
 
 from collections.abc import Sequence
@@ -32,6 +35,7 @@ _VIRTUAL_TIME = func.coalesce(
     0.0,
 )
 _NOW = select(_VIRTUAL_TIME, select(func.max(func.floor(fits.c.turn) - fits.c.place)).where(_LIVE).scalar_subquery())
+_IN_SHORT_LANE = select(fits.c.id).where(_LIVE, fits.c.short_lane, fits.c.client == bindparam("of")).limit(1)
 _ADD = insert(turns).values(client=bindparam("of"), until=bindparam("now") + bindparam("cost"))
 _TAKE = _ADD.on_conflict_do_update(
     index_elements=[turns.c.client],
@@ -40,14 +44,15 @@ _TAKE = _ADD.on_conflict_do_update(
 
 
 def take(connection: Connection, given: Sequence[Fit]) -> list[dict[str, Any]]:
-    """Return the columns `turn` and `place` of new fits of one client, which it gets one after the other."""
+    """Return the columns `turn`, `place` and `short_lane` of new fits of one client, which come one after the other."""
     virtual, began = connection.execute(_NOW).one()
     cost = sum(one.cost for one in given)
     until = connection.execute(_TAKE, {"of": given[0].client, "now": virtual, "cost": cost}).scalar_one()
+    short = given[0].short and connection.execute(_IN_SHORT_LANE, {"of": given[0].client}).first() is None
     turn, columns = until - cost, []
     for one in given:
         place = floor(turn) - int(floor(virtual) if began is None else began)
-        columns.append({"turn": turn, "place": min(place, LAST_PLACE)})
+        columns.append({"turn": turn, "place": min(place, LAST_PLACE), "short_lane": short})
         turn += one.cost
     return columns
 

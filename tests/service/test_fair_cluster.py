@@ -98,6 +98,25 @@ def test_parts_come_one_after_the_other_between_fits_of_others(cluster_store: Sq
     assert line(database) == ["big-00000", "b0", "big-00001", "b1", "big-00002", "b2"]
 
 
+def queues(engine: Engine) -> dict[str, str]:
+    """Return the queue of each fit's job."""
+    with engine.connect() as connection:
+        found = connection.execute(text("SELECT args->>'fit_id', queue_name FROM procrastinate_jobs")).all()
+    return {name: queue for name, queue in found if name}
+
+
+def test_the_lane_of_short_fits_has_one_of_each_client(cluster_store: SqlFits, database: Engine) -> None:
+    for name in ("a0", "a1", "b0"):
+        add(cluster_store, fit(name, client=name[0], cost=0.1))
+    add(cluster_store, fit("c0", client="c", cost=1000.0))
+    assert queues(database) == {"a0": "short", "a1": "long", "b0": "short", "c0": "long"}
+    assert start(cluster_store, "a0", ME) == 1
+    add(cluster_store, fit("a2", client="a", cost=0.1))
+    assert cluster_store.finish("a0", 1, FitStatus.SUCCESSFUL, b"{}", None)
+    add(cluster_store, fit("a3", client="a", cost=0.1))
+    assert (queues(database)["a2"], queues(database)["a3"]) == ("long", "short")
+
+
 def test_a_fit_that_runs_again_keeps_its_place(cluster_store: SqlFits, database: Engine) -> None:
     add(cluster_store, fit("first", client="a", cost=50.0))
     add(cluster_store, fit("second", client="a", cost=50.0))

@@ -8,12 +8,10 @@ from dataclasses import replace
 import pytest
 from sqlalchemy import Engine, text
 
-from service.jobs.admission import Admission
 from service.jobs.fit import MAX_ABANDONED, Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.parts import split
 from service.jobs.slices import Frame, Slice
-from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.store.fits import SqlFits
 from tests.service.stores import LIMIT, ME, OTHER, fit, jobs, start
 
@@ -172,31 +170,26 @@ def test_what_was_summed_is_no_fit_that_ended(store: SqlFits) -> None:
     assert store.unused(["b10b"]) == []
 
 
-@pytest.fixture
-def shared(database: Engine) -> SqlFits:
-    with database.begin() as connection:
-        connection.execute(text("TRUNCATE fits, procrastinate_jobs CASCADE"))
-    return SqlFits(database, Admission(LIMIT), ProcrastinateJobs())
-
-
-def test_parts_have_jobs_in_the_lane_of_the_long_and_then_the_fit_has_one(shared: SqlFits, database: Engine) -> None:
-    add_split(shared)
+def test_parts_have_jobs_in_the_lane_of_the_long_and_then_the_fit_has_one(
+    cluster_store: SqlFits, database: Engine
+) -> None:
+    add_split(cluster_store)
     assert jobs(database) == ["todo"] * 3
     for part in PARTS:
-        start(shared, part, ME)
-        end(shared, part)
+        start(cluster_store, part, ME)
+        end(cluster_store, part)
     with database.connect() as connection:
         query = text("SELECT args->>'fit_id', queue_name FROM procrastinate_jobs ORDER BY id")
         found = [(name, queue) for name, queue in connection.execute(query)]
-    assert found == [*((part, "long") for part in PARTS), ("one", "short")]
+    assert found == [*((part, "long") for part in PARTS), ("one", "long")]
 
 
-def test_with_the_fit_the_jobs_of_its_parts_go(shared: SqlFits, database: Engine) -> None:
-    add_split(shared)
-    start(shared, PARTS[0], ME)
+def test_with_the_fit_the_jobs_of_its_parts_go(cluster_store: SqlFits, database: Engine) -> None:
+    add_split(cluster_store)
+    start(cluster_store, PARTS[0], ME)
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'fit_id' = 'one-00000'"))
-    assert shared.dismiss("one")
+    assert cluster_store.dismiss("one")
     assert sorted(jobs(database)) == ["cancelled", "cancelled", "doing"]
     with database.connect() as connection:
         query = text("SELECT abort_requested FROM procrastinate_jobs WHERE status = 'doing'")
@@ -204,15 +197,15 @@ def test_with_the_fit_the_jobs_of_its_parts_go(shared: SqlFits, database: Engine
 
 
 def test_lost_jobs_of_parts_are_replaced_and_a_fit_that_waits_for_parts_needs_none(
-    shared: SqlFits, database: Engine
+    cluster_store: SqlFits, database: Engine
 ) -> None:
-    add_split(shared)
-    start(shared, PARTS[0], ME)
-    assert shared.requeue_lost(0.0) == 0
+    add_split(cluster_store)
+    start(cluster_store, PARTS[0], ME)
+    assert cluster_store.requeue_lost(0.0) == 0
     with database.begin() as connection:
         connection.execute(text("UPDATE procrastinate_jobs SET status = 'failed'"))
         connection.execute(text("UPDATE fits SET touched = now() - interval '1 hour'"))
-    assert shared.requeue_lost(60.0) == 2
+    assert cluster_store.requeue_lost(60.0) == 2
     assert sorted(jobs(database)) == ["failed"] * 3 + ["todo"] * 2
 
 

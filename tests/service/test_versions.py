@@ -74,7 +74,7 @@ def test_an_older_database_is_brought_up_to_date_and_keeps_what_is_in_it(engine:
 
 
 def test_the_tables_of_the_first_release_become_those_of_this_one(engine: Engine) -> None:
-    new = {"parts", "unsummed", "whole", "slice", "summary", "owner", "turn", "place"}
+    new = {"parts", "unsummed", "whole", "slice", "summary", "owner", "turn", "place", "short_lane"}
     old = Table("fits", MetaData(), *(Column(c.name, c.type) for c in table.columns if c.name not in new))
     prepare(engine, [dataclasses.replace(FITS, make=old.create, steps={"0.1.0": ""}, columns=frozenset())])
     with engine.begin() as connection:
