@@ -18,6 +18,7 @@ import tempfile
 import time
 from datetime import UTC, datetime
 from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -30,7 +31,8 @@ from service.jobs.lease_holder import LeaseHolder
 from service.jobs.requested_options import RequestedOptions
 from service.queue.procrastinate_jobs import ProcrastinateJobs
 from service.queue.procrastinate_worker import ProcrastinateWorker
-from service.queue.runner import Lanes, Runner, Tasks
+from service.queue.runner import Runner
+from service.queue.work import Lanes, Tasks
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.schema import postgres_engine
@@ -42,6 +44,7 @@ from tests.service.running import until
 from tests.service.stores import QUEUE
 
 JOBS, WORKERS = 3000, (1, 8, 32)
+STARTING = 300.0  # seconds in which all workers must have started
 CONNECTIONS = 500  # of PostgreSQL; a worker holds six or more
 ENDED, STARTS = 1_000_000, 5
 # A row of a fit that has ended long ago, with a result of the usual size of a plane curve.
@@ -73,16 +76,17 @@ def new_fit(number: int) -> Fit:
     return Fit(uuid4().hex, FitStatus.ACCEPTED, given, RequestedOptions({}), datetime.now(UTC), f"{number % 8}", 0.1)
 
 
-def work(url: str) -> None:
-    """Take jobs with one seat, until SIGTERM."""
+def work(url: str, together: Barrier) -> None:
+    """Take jobs with one seat, when all workers can, until SIGTERM."""
     store, workers = store_at(url), Constant()
     lanes, functions = Lanes(workers, workers), Tasks(tasks.fit, tasks.sum_moments, tasks.fit_from_moments)
     holder = LeaseHolder(uuid4().hex, 60.0)
     runner = Runner(store, Blobs("memory://"), lanes, functions, holder=holder, deadline=60.0, publish=True)
-    worker = ProcrastinateWorker(store, runner, lambda: None, url=url, seats=1, short_seats=0, lease=60.0)
+    worker = ProcrastinateWorker(store, runner, lambda: False, url=url, seats=1, short_seats=0, lease=60.0)
 
     async def until_stopped() -> None:
         asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, worker.stop)
+        together.wait(STARTING)
         await worker.work(1.0)
 
     asyncio.run(until_stopped())
@@ -94,7 +98,9 @@ def jobs_a_second(postgres: Postgres, count: int) -> float:
     store = store_at(url)
     for number in range(JOBS):
         store.add(new_fit(number), list)
-    processes = [get_context("spawn").Process(target=work, args=(url,)) for _ in range(count)]
+    context = get_context("spawn")
+    together = context.Barrier(count)
+    processes = [context.Process(target=work, args=(url, together)) for _ in range(count)]
     for one in processes:
         one.start()
     until(lambda: not store.count_waiting(), 600.0)

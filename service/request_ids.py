@@ -27,7 +27,7 @@ class RequestIds:
     trace_id, span_id
         The trace to which the request belongs, and this server's part of it: 32 and 16 hexadecimal digits.
     sampled
-        Whether the caller records the trace.
+        Whether the trace is recorded: by the caller, or here (`within`).
 
     """
 

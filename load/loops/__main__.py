@@ -30,6 +30,8 @@ def main() -> int:
     parser.add_argument("--soak", type=float, default=0.0, metavar="SECONDS", help="only one open loop, for so long")
     arguments = parser.parse_args()
     plan = [(one, arguments.seconds) for one in SCENARIOS if one.name.startswith(tuple(arguments.only))]
+    if not plan or plan[0][0].load:
+        parser.error("the first scenario has to be a closed loop: " + ", ".join(one.name for one in SCENARIOS))
     if arguments.soak:
         plan = [(CLOSED_MIXED, CAPACITY_SECONDS), (SOAK, arguments.soak)]
     return max([table(engine, plan) for engine in arguments.engines or ENGINES])

@@ -19,21 +19,26 @@ class Answers:
         How long each answer 200 took.
     rate
         The answers 200 in a second, while requests were sent.
+    began, end
+        When the first request was sent, and until when requests were to be sent, as `time.time` has it.
 
     """
 
     counts: Counter[int]
     seconds: list[float]
     rate: float
+    began: float
+    end: float
 
     @classmethod
     def of(cls, found: Iterable[tuple[float, int, float]], duration: float) -> "Answers":
         """Return what was found: when each answer came, its status, and the seconds that it took."""
         rows = list(found)
         good = [(at, took) for at, status, took in rows if status == HTTPStatus.OK]
-        end = min((at - took for at, _, took in rows), default=0.0) + duration
+        began = min((at - took for at, _, took in rows), default=0.0)
+        end = began + duration
         rate = sum(at <= end for at, _ in good) / duration
-        return cls(Counter(status for _, status, _ in rows), [took for _, took in good], rate)
+        return cls(Counter(status for _, status, _ in rows), [took for _, took in good], rate, began, end)
 
     def percentile(self, percent: int) -> float:
         """Return the seconds that so many percent of the answers 200 took at most."""

@@ -20,6 +20,8 @@ from load.loops.traffic import NPY, Request
 from load.loops.watching import Seen, watching
 
 WARMING = 8  # requests before a measurement, for each worker to have loaded all that it needs
+STARTING = 15.0  # seconds longer that attackers are busy: a generator of load takes some to start
+SLOPE_STEP = 4  # of all looks, those from which the slope of memory is worked out
 IDLE = 0.2  # cores; with less, the machine is busy
 COLUMNS = [
     "scenario", "asked by", "answers/s", "p50", "p90", "p99", "most waiting", "429 / 503", "`/livez` p99", "memory",
@@ -42,15 +44,15 @@ class Row:
         answers, seen = self.answers, self.seen
         cells = [self.scenario.name, asked, f"{answers.rate:.1f}"]
         cells += [f"{1000.0 * answers.percentile(percent):.0f} ms" for percent in (50, 90, 99)]
-        cells += [f"{max(seen.waiting):.0f}", answers.refused(), f"{1000.0 * seen.livez_p99:.0f} ms"]
-        cells += [f"{seen.peak:.0f} MB", self._cores(), self._limit()]
+        cells += [f"{seen.most_waiting:.0f}", answers.refused(), f"{1000.0 * seen.livez_p99:.0f} ms"]
+        cells += [f"{seen.memory_peak:.0f} MB", self._cores(), self._limit()]
         return f"| {' | '.join(cells)} |"
 
     def slope(self) -> str:
         """Return how memory grew in the second half, with the interval that has the slope with 95 % probability."""
-        half = self.seen.memory[len(self.seen.memory) // 2 :]
-        times, sizes = zip(*half, strict=True)
-        slope, _, low, high = (3600.0 * one for one in stats.theilslopes(sizes, times))
+        half = self.seen.looks[len(self.seen.looks) // 2 :: SLOPE_STEP]
+        slopes = stats.theilslopes([one.memory for one in half], [one.at for one in half])
+        slope, low, high = (3600.0 * one for one in (slopes.slope, slopes.low_slope, slopes.high_slope))
         return f"memory in the second half: {slope:+.1f} MB an hour ({low:+.1f} … {high:+.1f})"
 
     def _cores(self) -> str:
@@ -74,11 +76,13 @@ def measure(engine: str, scenario: Scenario, seconds: float, capacity: float) ->
         folder, url = Path(name), f"http://127.0.0.1:{started.port}"
         requests = scenario.traffic(url)
         _warm(url, requests)
+        rate = scenario.load * capacity
         with attacked(started, scenario, seconds), watching(started) as seen:
-            if scenario.load:
-                rate = scenario.load * capacity
-                return Row(scenario, rate, open_loop.run(url, requests, rate, seconds, folder), seen)
-            return Row(scenario, 0.0, closed.run(url, requests, scenario.clients, seconds, folder), seen)
+            if rate:
+                answers = open_loop.run(url, requests, rate, seconds, folder)
+            else:
+                answers = closed.run(url, requests, scenario.clients, seconds, folder)
+        return Row(scenario, rate, answers, seen.between(answers.began, answers.end))
 
 
 def capacity_of(traffic: Traffic, rows: list[Row]) -> float:
@@ -97,7 +101,8 @@ def _warm(url: str, requests: list[Request]) -> None:
 def attacked(engine: Engine, scenario: Scenario, seconds: float) -> Iterator[None]:
     """Let the attackers of a scenario be busy while the block runs."""
     commands = [
-        [sys.executable, "-m", "load.attackers", name, str(engine.port), str(seconds), ""] for name in scenario.beside
+        [sys.executable, "-m", "load.attackers", name, str(engine.port), str(seconds + STARTING), ""]
+        for name in scenario.beside
     ]
     attackers = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for command in commands]  # noqa: S603 - our own
     try:

@@ -4,6 +4,7 @@ Each request comes on a connection of its own; the times between them are expone
 So a server that falls behind is asked no less, and waits are measured in full.
 """
 
+import re
 import shutil
 import subprocess
 import time
@@ -16,6 +17,8 @@ from load.loops.traffic import NPY, Request
 TSUNG = shutil.which("tsung")
 # Columns of Tsung's dump: when a request was answered, its status, and the milliseconds that it took.
 AT, STATUS, TOOK = 0, 6, 8
+# How many requests were sent so far: each is a user of its own.
+USERS = re.compile(r"^stats: users_count \d+ (\d+)$", re.MULTILINE)
 DOCTYPE = '<?xml version="1.0"?>\n<!DOCTYPE tsung SYSTEM "/usr/share/tsung/tsung-1.0.dtd">\n'
 # Seconds after the last arrival in which requests may still be answered.
 PATIENCE = 60
@@ -38,7 +41,10 @@ def run(url: str, requests: list[Request], rate: float, seconds: float, folder: 
     if done.returncode or not found:
         raise RuntimeError(f"Tsung ended with {done.returncode} after {time.monotonic() - began:.0f} s: {done.stdout}")
     rows = [line.split(";") for line in found[0].read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
-    return Answers.of(((float(row[AT]), int(row[STATUS] or 0), float(row[TOOK]) / 1000.0) for row in rows), seconds)
+    answers = [(float(row[AT]), int(row[STATUS] or 0), float(row[TOOK]) / 1000.0) for row in rows]
+    sent = USERS.findall(found[0].with_name("tsung.log").read_text(encoding="utf-8"))
+    unanswered = max(int(sent[-1]) - len(answers), 0) if sent else 0
+    return Answers.of(answers + [(answers[-1][0], 0, 0.0)] * unanswered, seconds)
 
 
 def _plan(url: str, requests: list[Request], rate: float, seconds: float, folder: Path) -> ET.Element:

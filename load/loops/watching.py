@@ -13,42 +13,68 @@ from prometheus_client.parser import text_string_to_metric_families
 from load.engines import Engine
 from load.loops.answers import percentile
 
-LIVEZ_EVERY, LOOK_EVERY = 0.02, 1.0  # seconds
+LIVEZ_EVERY, LOOK_EVERY = 0.02, 0.5  # seconds
 MB = 2**20
+
+
+@dataclass(frozen=True)
+class Look:
+    """What was seen of a server at one moment.
+
+    Attributes
+    ----------
+    at
+        When, as `time.time` has it.
+    used
+        Processor time so far, in seconds: of each program, of `workers` (all that the programs have started, but for
+        those of PostgreSQL, which count there), and `idle`, that of the machine which nobody used.
+    memory
+        MB of the programs and all that they started, without PostgreSQL.
+    waiting
+        Fits that waited.
+
+    """
+
+    at: float
+    used: dict[str, float]
+    memory: float
+    waiting: float
 
 
 @dataclass
 class Seen:
-    """What was seen of a server in a run.
+    """What was seen of a server: looks, and when each answer of `/livez` came, with the seconds that it took."""
 
-    Attributes
-    ----------
-    cores
-        The cores that each part kept busy: `server` and so on the program's own process, `workers` what the programs
-        have started, `PostgreSQL` all of its processes; `idle` those of the machine that nothing kept busy.
-    memory
-        Time in seconds, and MB of the programs and all that they started, without PostgreSQL, at each look.
-    waiting
-        Fits that waited, at each look.
-    livez
-        Seconds that each answer of `/livez` took.
+    looks: list[Look] = field(default_factory=list)
+    livez: list[tuple[float, float]] = field(default_factory=list)
 
-    """
+    def between(self, began: float, end: float) -> "Seen":
+        """Return what was seen in this time; at least two looks."""
+        looks = [one for one in self.looks if began <= one.at <= end]
+        if len(looks) < 2:  # noqa: PLR2004 - a difference needs two
+            raise RuntimeError("the measurement was too short to look at the server twice")
+        return Seen(looks, [one for one in self.livez if began <= one[0] <= end])
 
-    cores: dict[str, float] = field(default_factory=dict)
-    memory: list[tuple[float, float]] = field(default_factory=list)
-    waiting: list[float] = field(default_factory=list)
-    livez: list[float] = field(default_factory=list)
+    @property
+    def cores(self) -> dict[str, float]:
+        """Return how many cores each part kept busy, and how many were idle."""
+        first, last = self.looks[0], self.looks[-1]
+        return {name: (used - first.used.get(name, 0.0)) / (last.at - first.at) for name, used in last.used.items()}
 
     @property
     def livez_p99(self) -> float:
         """Return the seconds that 99 of 100 answers of `/livez` took at most."""
-        return percentile(self.livez, 99)
+        return percentile([took for _, took in self.livez], 99)
 
     @property
-    def peak(self) -> float:
+    def memory_peak(self) -> float:
         """Return the most memory, in MB."""
-        return max(size for _, size in self.memory)
+        return max(one.memory for one in self.looks)
+
+    @property
+    def most_waiting(self) -> float:
+        """Return how many fits waited at most."""
+        return max(one.waiting for one in self.looks)
 
 
 @contextmanager
@@ -56,24 +82,19 @@ def watching(engine: Engine) -> Iterator[Seen]:
     """Watch a server until the block ends."""
     seen, enough = Seen(), Event()
     watchers = [Thread(target=watch, args=(engine, seen, enough), daemon=True) for watch in (_livez, _look)]
-    began, before, idle = time.monotonic(), _used(engine), psutil.cpu_times().idle
     for one in watchers:
         one.start()
     try:
         yield seen
     finally:
-        took = time.monotonic() - began
-        after = _used(engine)
         enough.set()
         for one in watchers:
             one.join()
-        seen.cores = {name: (used - before.get(name, 0.0)) / took for name, used in after.items()}
-        seen.cores["idle"] = (psutil.cpu_times().idle - idle) / took
 
 
 def _used(engine: Engine) -> dict[str, float]:
     """Return the processor time of each part so far, in seconds; that of processes that have ended counts, too."""
-    used = dict.fromkeys([*engine.programs, "workers"], 0.0)
+    used = dict.fromkeys([*engine.programs, "workers"], 0.0) | {"idle": psutil.cpu_times().idle}
     for name, pid in engine.programs.items():
         program = psutil.Process(pid)
         used[name] += _seconds(program)
@@ -96,17 +117,16 @@ def _livez(engine: Engine, seen: Seen, enough: Event) -> None:
         began = time.perf_counter()
         client.request("GET", "/livez")
         client.getresponse().read()
-        seen.livez.append(time.perf_counter() - began)
+        seen.livez.append((time.time(), time.perf_counter() - began))
 
 
 def _look(engine: Engine, seen: Seen, enough: Event) -> None:
     """Look at memory and the queue again and again."""
-    began = time.monotonic()
     programs = [psutil.Process(pid) for name, pid in engine.programs.items() if name != "PostgreSQL"]
     while not enough.is_set():
+        at, used, waiting = time.time(), _used(engine), _waiting(engine.port)
         size = sum(_size(one) for program in programs for one in [program, *program.children(recursive=True)])
-        seen.memory.append((time.monotonic() - began, size / MB))
-        seen.waiting.append(_waiting(engine.port))
+        seen.looks.append(Look(at, used, size / MB, waiting))
         enough.wait(LOOK_EVERY)
 
 

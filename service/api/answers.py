@@ -93,7 +93,8 @@ def phase(request: Request, name: str) -> Iterator[None]:
     """Measure a phase of the work for a request; the answer's Server-Timing lists it, and it is a span of its trace."""
     began = time.perf_counter()
     try:
-        with TRACER.start_as_current_span(name):
+        # a refusal is no error of the server, and its text is in the answer
+        with TRACER.start_as_current_span(name, record_exception=False, set_status_on_exception=False):
             yield
     finally:
         getattr(request.state, _PHASES)[name] = time.perf_counter() - began

@@ -7,6 +7,7 @@ from typing import Any
 
 from fastapi import Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
+from fastapi.telemetry import TelemetryConfig
 
 from service.api import docs, problems
 from service.api.callers import caller_of
@@ -60,6 +61,21 @@ CORS_READ = [
 # The last parts of the paths of what supervisors ask every few seconds: requests that nobody wants to trace.
 SUPERVISED = {"livez", "readyz", "metrics"}
 
+
+def _is_supervision(scope: MutableMapping[str, Any]) -> bool:
+    return str(scope.get("path", "")).rpartition("/")[2] in SUPERVISED
+
+
+# With the extra `otel`, if OTEL_EXPORTER_OTLP_ENDPOINT says where to. Only traces: the log, which may name addresses
+# and paths, is for this machine, and metrics are at /metrics.
+TRACES: TelemetryConfig = {
+    "auto_configure": True,
+    "metrics": False,
+    "logs": False,
+    "operation_spans": False,
+    "exclude": _is_supervision,
+}
+
 Startup = Callable[[], AbstractAsyncContextManager[Context]]
 
 
@@ -94,8 +110,7 @@ def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
         dependencies=[Depends(refuse_unknown_parameters)],
         lifespan=lifespan,
         generate_unique_id_function=lambda route: route.name,
-        # with the extra `otel`, if OTEL_EXPORTER_OTLP_ENDPOINT says where to
-        telemetry={"auto_configure": True, "exclude": _is_supervision},
+        telemetry=TRACES,
     )
     app.add_middleware(HeadAndOptions)
     if cors_origins:
@@ -112,7 +127,3 @@ def create_app(startup: Startup, cors_origins: Sequence[str] = ()) -> FastAPI:
     app.include_router(metrics.router, dependencies=[Depends(caller_of)])
     docs.install(app)
     return app
-
-
-def _is_supervision(scope: MutableMapping[str, Any]) -> bool:
-    return str(scope.get("path", "")).rpartition("/")[2] in SUPERVISED

@@ -86,10 +86,10 @@ async def work(settings: Settings) -> None:
 def _worker(settings: Settings, store: SqlFits, runner: Runner, retention: Retention) -> ProcrastinateWorker:
     """Return the worker; one process of all cleans up the store, too."""
 
-    def clean_up() -> None:
+    def clean_up() -> bool:
         if found := store.requeue_lost(2.0 * settings.lease):
             logger.warning("%d fits had no job any more and were queued again", found)
-        retention.sweep()
+        return retention.sweep()[1]
 
     return ProcrastinateWorker(
         store,

@@ -34,7 +34,8 @@ from service.jobs.observer import FitObserver
 from service.jobs.ports import BlobStore, FitQueue, FitStore
 from service.jobs.retention import Retention
 from service.jobs.use_cases import FitService
-from service.queue.runner import Lanes, Runner, Tasks
+from service.queue.runner import Runner
+from service.queue.work import Lanes, Tasks
 from service.settings import Settings
 from service.telemetry.exposition import Exposition
 from service.telemetry.gauges import Gauges

@@ -116,7 +116,7 @@ class FitStore(Protocol):
         """Return the degrees that were reported."""
 
     def outdated(self, age: float, size: int | None = None) -> list[str]:
-        """Return ids of fits that ended `age` seconds ago; else of the oldest beyond `size` bytes of ended fits.
+        """Return ids of fits that ended `age` seconds ago, then of the oldest beyond `size` bytes of ended fits.
 
         The oldest are first; there may be more.
         """

@@ -46,22 +46,22 @@ class Retention:
     _orphans_removed: float = field(default=float("-inf"), init=False)
     _sized: float = field(default=float("-inf"), init=False)
 
-    def sweep(self) -> int:
-        """Remove fits that need not be kept any longer, as many as a moment allows; return how many.
+    def sweep(self) -> tuple[int, bool]:
+        """Remove fits that need not be kept any longer, for a moment; return how many, and whether there are more.
 
         A callback that could not be delivered yet is tried further: it is small, and was promised.
         """
         end = time.monotonic() + LONGEST_SWEEP
         self.store.forget_past()
-        removed = 0
-        for one in self._outdated():
+        outdated, removed = self._outdated(), 0
+        for tried, one in enumerate(outdated, start=1):
             removed += self.store.remove(one, self.blobs.delete, keep_callback=True)
-            if time.monotonic() > end:
-                self._sized = float("-inf")  # there may be more
-                break
+            if tried < len(outdated) and time.monotonic() > end:
+                self._sized = float("-inf")  # the size is looked at again when the next sweep goes on
+                return removed, True
         if self.exclusive and time.monotonic() > self._orphans_removed + ORPHAN_SECONDS:
             self._remove_orphans()
-        return removed
+        return removed, False
 
     def _outdated(self) -> Sequence[str]:
         """Return the oldest fits that need not be kept: for their age, or now and then for the size of all."""
@@ -81,9 +81,11 @@ class Retention:
     async def keep_sweeping(self) -> None:
         """Sweep again and again, until cancelled."""
         while True:
+            more = False
             try:
-                if removed := await asyncio.to_thread(self.sweep):
+                removed, more = await asyncio.to_thread(self.sweep)
+                if removed:
                     logger.info("%d old fits were removed", removed)
             except Exception:
                 logger.exception("old fits could not be removed; the next try is in %g s", SWEEP_SECONDS)
-            await asyncio.sleep(SWEEP_SECONDS)
+            await asyncio.sleep(0.0 if more else SWEEP_SECONDS)

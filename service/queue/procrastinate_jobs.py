@@ -30,6 +30,11 @@ class ProcrastinateJobs:
         deferrer = self._app.configure_task(TASK, queue=queue, priority=-place, connection=_raw(connection))
         return deferrer.defer(fit_id=fit_id)
 
+    def move_to_short(self, connection: Connection, job: int) -> bool:
+        """Move a job that no worker has taken yet to the queue of short fits; return whether it was moved."""
+        query = text("UPDATE procrastinate_jobs SET queue_name = :short WHERE id = :job AND status = 'todo'")
+        return bool(connection.execute(query, {"short": SHORT_QUEUE, "job": job}).rowcount)
+
     def cancel(self, connection: Connection, job: int) -> None:
         """Cancel a job; if it runs, its worker is told to abort it."""
         self._app.job_manager.cancel_job_by_id(job, abort=True, connection=_raw(connection))

@@ -58,14 +58,14 @@ class ProcrastinateWorker:
         self,
         store: FitStore,
         runner: Runner,
-        clean_up: Callable[[], object],
+        clean_up: Callable[[], bool],
         *,
         url: str,
         seats: int,
         short_seats: int,
         lease: float,
     ) -> None:
-        """Work for the database at `url`; one process of all calls `clean_up` every few seconds."""
+        """Work for the database at `url`; one process of all calls `clean_up` every few seconds, until it is done."""
         self._store, self._runner, self._clean_up, self._lease = store, runner, clean_up, lease
         self._lanes = [((SHORT_QUEUE, LONG_QUEUE), seats), ((SHORT_QUEUE,), short_seats), ((UPKEEP_QUEUE,), 1)]
         self._app = App(connector=PsycopgConnector(conninfo=url, min_size=1, max_size=8, timeout=CONNECTION_TIMEOUT))
@@ -151,4 +151,5 @@ class ProcrastinateWorker:
         await manager.delete_old_jobs(
             nb_hours=DELETE_AFTER_HOURS, include_failed=True, include_cancelled=True, include_aborted=True
         )
-        await asyncio.to_thread(self._clean_up)
+        while await asyncio.to_thread(self._clean_up) and not self.stopping:
+            pass

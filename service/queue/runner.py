@@ -2,10 +2,8 @@
 
 import asyncio
 import logging
-import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from service.jobs.errors import DeadlineExceededError, NotReadyError, OutOfMemoryError, WorkerCrashedError
@@ -13,6 +11,7 @@ from service.jobs.fit import MAX_CRASHES, Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.observer import UNOBSERVED, FitObserver
 from service.jobs.ports import BlobStore, FitStore, Workers
+from service.queue.work import Lanes, Tasks, Work
 
 logger = logging.getLogger(__name__)
 
@@ -38,41 +37,6 @@ def pause(tries: int) -> float:
     (1.0, True)
     """
     return min(float(tries), 60.0)
-
-
-@dataclass(frozen=True)
-class Tasks:
-    """The functions that run in workers. Each takes the blobs, the fit's `PointSetRef` and its `ipcore.FitOptions`.
-
-    Attributes
-    ----------
-    fit
-        Fits all points at once.
-    sum_moments
-        Sums the moments of a slice of the points; takes the `Slice`, too.
-    fit_from_moments
-        Fits when the moments of all parts are summed; takes the results of the parts, too.
-
-    """
-
-    fit: Callable[..., bytes]
-    sum_moments: Callable[..., bytes]
-    fit_from_moments: Callable[..., bytes]
-
-
-@dataclass(frozen=True)
-class Lanes:
-    """The workers of each lane of the queue; those for short fits alone may have a higher priority.
-
-    Attributes
-    ----------
-    any_length, short
-        The workers of the lane of all fits, and of the lane of short fits.
-
-    """
-
-    any_length: Workers
-    short: Workers
 
 
 class Runner:
@@ -127,7 +91,7 @@ class Runner:
         work = None if known is None else self._begun(known, workers)
         try:
             if work is not None:
-                await asyncio.wait((work,), timeout=HEAD_START)
+                await asyncio.wait((work.task,), timeout=HEAD_START)
             while (fit := await self._retried(self._store.start, fit_id, self._holder)) is not None:
                 if await self._attempt(fit, work or self._begun(fit, workers)):
                     return True
@@ -135,21 +99,21 @@ class Runner:
         finally:
             self._steps.pop(fit_id, None)
             if work is not None:
-                await _cancelled(work)
+                await work.cancelled()
         return False
 
-    async def _attempt(self, fit: Fit, work: asyncio.Task[bytes]) -> bool:
+    async def _attempt(self, fit: Fit, work: Work) -> bool:
         """Run one attempt and store how it ended; return whether the fit has ended with it."""
         self._observer.started(fit)
         try:
-            return await self._outcome(fit, work, time.monotonic())
+            return await self._outcome(fit, work)
         except asyncio.CancelledError:
             await asyncio.shield(self._release(fit))
             raise
         finally:
             self._steps.pop(fit.id, None)
 
-    async def _outcome(self, fit: Fit, work: asyncio.Task[bytes], began: float) -> bool:
+    async def _outcome(self, fit: Fit, work: Work) -> bool:
         """Wait for the work on a fit, and store how it ended; return whether the fit has ended with it."""
         try:
             result = await self._while_held(fit, work)
@@ -171,17 +135,16 @@ class Runner:
             logger.exception("fit %s failed", fit.id)
             failure = Failure("fit-error", f"{type(error).__name__}: {error}")
         else:
-            return result is not None and await self._ended(fit, began, FitStatus.SUCCESSFUL, result)
-        return await self._ended(fit, began, FitStatus.FAILED, None, failure)
+            return result is not None and await self._ended(fit, work, FitStatus.SUCCESSFUL, result)
+        return await self._ended(fit, work, FitStatus.FAILED, None, failure)
 
     async def _ended(
-        self, fit: Fit, began: float, status: FitStatus, result: bytes | None, failure: Failure | None = None
+        self, fit: Fit, work: Work, status: FitStatus, result: bytes | None, failure: Failure | None = None
     ) -> bool:
         """Store the end of a fit; return False if this attempt did not hold it any more."""
-        seconds = time.monotonic() - began
         stored = await self._retried(self._store.finish, fit.id, fit.attempt, status, result, failure)
         if stored:
-            self._observer.ended(fit, status, result, seconds)
+            self._observer.ended(fit, status, result, work.seconds)
         return stored
 
     def _limit(self, error: DeadlineExceededError | OutOfMemoryError) -> Failure:
@@ -190,18 +153,20 @@ class Runner:
             return Failure("deadline-exceeded", f"The fit took longer than {self._deadline:g} s and was stopped.")
         return Failure("out-of-memory", str(error))
 
-    def _begun(self, fit: Fit, workers: Workers) -> asyncio.Task[bytes]:
+    def _begun(self, fit: Fit, workers: Workers) -> Work:
         """Begin the work on a fit."""
-        return asyncio.create_task(self._in_worker(fit, self._steps.setdefault(fit.id, []), workers))
+        return Work(self._in_worker(fit, self._steps.setdefault(fit.id, []), workers))
 
-    async def _while_held(self, fit: Fit, work: asyncio.Task[bytes]) -> bytes | None:
+    async def _while_held(self, fit: Fit, work: Work) -> bytes | None:
         """Return the result; or kill the worker and return None as soon as this attempt does not hold the fit."""
         keeper = asyncio.create_task(self._keep_lease(fit.id, fit.attempt, self._steps.setdefault(fit.id, [])))
         try:
-            await asyncio.wait((work, keeper), return_when=asyncio.FIRST_COMPLETED)
-            return work.result() if work.done() else None
+            await asyncio.wait((work.task, keeper), return_when=asyncio.FIRST_COMPLETED)
+            return work.task.result() if work.task.done() else None
         finally:
-            await _cancelled(keeper, work)
+            keeper.cancel()
+            await work.cancelled()
+            await asyncio.gather(keeper, return_exceptions=True)
 
     async def _keep_lease(self, fit_id: str, attempt: int, steps: list[dict[str, Any]]) -> None:
         """Renew the lease after each third of it, and report progress; return when the lease is lost.
@@ -251,10 +216,3 @@ class Runner:
                 logger.exception("the store failed; the next try is in %g s", pause)
                 await asyncio.sleep(pause)
         return await asyncio.to_thread(call, *arguments)
-
-
-async def _cancelled(*tasks: asyncio.Task[Any]) -> None:
-    """Cancel tasks and return when they have ended."""
-    for task in tasks:
-        task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)

@@ -1,5 +1,6 @@
 """The data folder of one server: its files, and the lock that lets one server at a time use it."""
 
+import errno
 import fcntl
 import os
 from collections.abc import Iterator
@@ -68,6 +69,8 @@ def opened(path: Path) -> Iterator[DataFolder]:
             _make(folder)
             lock = stack.enter_context((folder.path / "lock").open("w"))
         except OSError as error:
+            if error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EIO}:  # of the disk, and not of the folder
+                raise
             user = f"user {os.geteuid()} of group {os.getegid()}"
             raise FolderDeniedError(
                 f"{error.filename} cannot be written by {user} ({error.strerror}); "

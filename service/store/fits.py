@@ -213,7 +213,7 @@ class SqlFits:
             return transitions.requeue_lost(connection, self._queue, seconds)
 
     def outdated(self, age: float, size: int | None = None) -> list[str]:
-        """Return ids of fits that ended `age` seconds ago; else of the oldest beyond `size` bytes of ended fits."""
+        """Return ids of fits that ended `age` seconds ago, and then of the oldest beyond `size` bytes of ended fits."""
         with self._engine.connect() as connection:
             return queries.outdated(connection, age, size)
 

@@ -126,15 +126,16 @@ def unused(connection: Connection, keys: Iterable[str]) -> list[str]:
 
 
 def outdated(connection: Connection, age: float, size: int | None) -> list[str]:
-    """Return ids of fits that ended `age` seconds ago; else of the oldest beyond `size` bytes of ended fits."""
+    """Return ids of fits that ended `age` seconds ago, and then of the oldest beyond `size` bytes of ended fits."""
     ended = [fits.c.status.in_(ENDED), fits.c.whole.is_(None)]  # parts are removed with their fits
     oldest = select(fits.c.id, fits.c.size).where(*ended).order_by(fits.c.finished, fits.c.id).limit(MOST_OUTDATED)
     before = clock(connection) - timedelta(seconds=age)  # by the clock that set `finished`
     found = list(connection.execute(oldest.where(fits.c.finished < before)).scalars())
-    if found or size is None:
+    if size is None or len(found) == MOST_OUTDATED:
         return found
-    total = connection.execute(select(func.coalesce(func.sum(fits.c.size), 0)).where(*ended)).scalar_one()
-    for row in connection.execute(oldest):
+    young = fits.c.finished >= before
+    total = connection.execute(select(func.coalesce(func.sum(fits.c.size), 0)).where(*ended, young)).scalar_one()
+    for row in connection.execute(oldest.where(young)):
         if total <= size:
             break
         found.append(row.id)

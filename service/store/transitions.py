@@ -10,7 +10,7 @@ import orjson
 from sqlalchemy import ColumnElement, Connection, Update, bindparam, func, select, update
 
 from service.jobs.fit import MAX_ABANDONED, Failure, FitStatus, sources
-from service.store import outbox
+from service.store import outbox, turns
 from service.store.schema import Moment, fits
 
 # The columns of a fit that no process holds.
@@ -18,7 +18,9 @@ NOT_HELD: dict[str, Any] = {"holder": None, "lease": None}
 # Statements that every fit needs are built once: that takes as long as to execute them.
 _WHOLE = select(fits.c.whole).where(fits.c.id == bindparam("fit")).scalar_subquery()
 _LOCK_WHOLE = select(fits.c.id).where(fits.c.id == _WHOLE).with_for_update()
-_FAMILY = select(fits.c.parts, fits.c.whole).where(fits.c.id == bindparam("fit"))
+_FAMILY = select(fits.c.parts, fits.c.whole, fits.c.client, fits.c.cost, fits.c.attempt, fits.c.short_lane).where(
+    fits.c.id == bindparam("fit")
+)
 
 
 class JobQueue(Protocol):
@@ -26,6 +28,9 @@ class JobQueue(Protocol):
 
     def enqueue(self, connection: Connection, fit_id: str, place: int, *, short: bool) -> int:
         """Add a job for a fit to the queue of short or of long fits, and return its number. Low places are first."""
+
+    def move_to_short(self, connection: Connection, job: int) -> bool:
+        """Move a job that no worker has taken yet to the queue of short fits; return whether it was moved."""
 
     def cancel(self, connection: Connection, job: int) -> None:
         """Cancel a job; if it runs, its worker is told to abort it."""
@@ -148,11 +153,21 @@ def _after_end(
         outbox.make_due(connection, fit_id, target, values["finished"])
         if queue is not None:
             queue.notify_ended(connection, fit_id)
+            _make_room(connection, queue, fit, target)
     elif target is FitStatus.SUCCESSFUL:
         _count_part(connection, queue, fit.whole)
     else:
         why = {name: values.get(name) for name in ("failure", "finished")}
         transition(connection, queue, fit.whole, target, why)
+
+
+def _make_room(connection: Connection, queue: JobQueue, fit: Any, target: FitStatus) -> None:  # noqa: ANN401 - a row
+    """Let the next short fit of the client have the place that this one had; do not count a fit that never ran."""
+    if fit.short_lane and (following := turns.next_in_short_lane(connection, fit.client)) is not None:
+        moved = following.job is not None and queue.move_to_short(connection, following.job)
+        connection.execute(update(fits).where(fits.c.id == following.id).values(short_lane=moved))
+    if target is FitStatus.DISMISSED and not fit.attempt and not fit.parts:
+        turns.give_back(connection, fit.client, fit.cost)
 
 
 def _remove_parts(connection: Connection, queue: JobQueue | None, whole: str) -> None:

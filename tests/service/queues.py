@@ -22,7 +22,8 @@ from service.jobs.parts import split
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.slices import Frame, Slice
 from service.queue.embedded import EmbeddedQueue
-from service.queue.runner import Lanes, Runner, Tasks
+from service.queue.runner import Runner
+from service.queue.work import Lanes, Tasks
 from service.store.blobs import Blobs
 from service.store.fits import SqlFits
 from service.store.schema import sqlite_engine

@@ -90,6 +90,30 @@ def test_what_runs_counts_when_nothing_waits(cluster_store: SqlFits, database: E
     assert line(database) == ["b0", "b1", "a1"]
 
 
+def test_a_fit_that_is_tried_again_does_not_turn_the_time_back(cluster_store: SqlFits, database: Engine) -> None:
+    add(cluster_store, fit("unreadable", client="a", cost=1.0))
+    for number in range(8):
+        add(cluster_store, fit(f"b{number}", client="b", cost=10.0))
+    assert start(cluster_store, fetch(database), ME) == 1
+    for _ in range(5):
+        serve(cluster_store, database)
+    assert cluster_store.release("unreadable", 1)
+    for number in range(3):
+        add(cluster_store, fit(f"c{number}", client="c", cost=10.0))
+    assert line(database) == ["b5", "c0", "b6", "c1", "b7", "c2"]
+
+
+def test_what_is_dismissed_before_it_ran_costs_nothing(cluster_store: SqlFits, database: Engine) -> None:
+    for number in range(8):
+        add(cluster_store, fit(f"b{number}", client="b", cost=10.0))
+    for number in range(5):
+        add(cluster_store, fit(f"mistake{number}", client="a", cost=60.0))
+    for number in range(5):
+        assert cluster_store.dismiss(f"mistake{number}")
+    add(cluster_store, fit("right", client="a", cost=60.0))
+    assert line(database)[:3] == ["b0", "right", "b1"]
+
+
 def test_parts_come_one_after_the_other_between_fits_of_others(cluster_store: SqlFits, database: Engine) -> None:
     whole, parts = split(fit("big", client="a", cost=30.0), Frame((0.0, 0.0, 0.0), 1.0), 34)
     cluster_store.add(whole, list, parts)
@@ -113,8 +137,13 @@ def test_the_lane_of_short_fits_has_one_of_each_client(cluster_store: SqlFits, d
     assert start(cluster_store, "a0", ME) == 1
     add(cluster_store, fit("a2", client="a", cost=0.1))
     assert cluster_store.finish("a0", 1, FitStatus.SUCCESSFUL, b"{}", None)
+    assert (queues(database)["a1"], queues(database)["a2"]) == ("short", "long")
+    assert cluster_store.dismiss("a1")
+    assert queues(database)["a2"] == "short"
+    assert start(cluster_store, "a2", ME) == 1
+    assert cluster_store.finish("a2", 1, FitStatus.SUCCESSFUL, b"{}", None)
     add(cluster_store, fit("a3", client="a", cost=0.1))
-    assert (queues(database)["a2"], queues(database)["a3"]) == ("long", "short")
+    assert queues(database)["a3"] == "short"
 
 
 def test_a_fit_that_runs_again_keeps_its_place(cluster_store: SqlFits, database: Engine) -> None:

@@ -148,7 +148,19 @@ def test_many_outdated_fits_are_removed_in_several_sweeps(
         store.finish(name, 1, FitStatus.SUCCESSFUL, b"{}", None)
     monkeypatch.setattr("service.jobs.retention.LONGEST_SWEEP", 0.0)
     retention = Retention(store, Blobs(str(tmp_path)), age=60.0, size=0)
-    assert [retention.sweep() for _ in range(5)] == [1, 1, 1, 0, 0]
+    assert [retention.sweep() for _ in range(4)] == [(1, True), (1, True), (1, False), (0, False)]
+
+
+def test_fits_that_are_too_old_do_not_hide_those_that_are_too_many(store: SqlFits, tmp_path: Path) -> None:
+    retention = Retention(store, Blobs(str(tmp_path)), age=0.5, size=2000)
+    for name in ("a", "b", "c", "d"):
+        add(store, fit(name))
+        start(store, name, ME)
+        store.finish(name, 1, FitStatus.SUCCESSFUL, bytes(500), None)
+        if name == "a":
+            time.sleep(0.6)
+    assert retention.sweep() == (3, False)
+    assert store.get("d") is not None
 
 
 def test_the_size_of_all_fits_is_asked_for_now_and_then(
