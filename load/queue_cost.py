@@ -34,8 +34,8 @@ from service.queue.procrastinate_worker import ProcrastinateWorker
 from service.queue.runner import Runner
 from service.queue.work import Lanes, Tasks
 from service.store.blobs import Blobs
+from service.store.engines import postgres_engine
 from service.store.fits import SqlFits
-from service.store.schema import postgres_engine
 from service.workers import tasks
 from tests.service.bodies import ellipse, npy
 from tests.service.clusters import Cluster

@@ -29,6 +29,8 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", default=[""], metavar="NAME", help="scenarios whose names begin so")
     parser.add_argument("--soak", type=float, default=0.0, metavar="SECONDS", help="only one open loop, for so long")
     arguments = parser.parse_args()
+    if unknown := set(arguments.engines).difference(ENGINES):
+        parser.error(f"no engine: {', '.join(sorted(unknown))}")
     plan = [(one, arguments.seconds) for one in SCENARIOS if one.name.startswith(tuple(arguments.only))]
     if not plan or plan[0][0].load:
         parser.error("the first scenario has to be a closed loop: " + ", ".join(one.name for one in SCENARIOS))

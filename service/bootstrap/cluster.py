@@ -25,9 +25,9 @@ from service.queue.runner import Runner
 from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.callbacks import SqlCallbacks
+from service.store.engines import TIMEOUTS, postgres_engine
 from service.store.fits import SqlFits
 from service.store.migrations import MigrationStep
-from service.store.schema import TIMEOUTS, postgres_engine
 from service.telemetry.metrics import Metrics
 from service.temporary_folders import temporary_folder
 

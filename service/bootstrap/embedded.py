@@ -11,8 +11,8 @@ from service.settings import Settings
 from service.store.blobs import Blobs
 from service.store.callbacks import SqlCallbacks
 from service.store.data_folder import opened
+from service.store.engines import sqlite_engine
 from service.store.fits import SqlFits
-from service.store.schema import sqlite_engine
 from service.telemetry.metrics import Metrics
 
 

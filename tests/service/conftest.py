@@ -10,8 +10,8 @@ from sqlalchemy import Engine, text
 from service.api_keys import new_key
 from service.jobs.admission import Admission
 from service.queue.procrastinate_jobs import ProcrastinateJobs
+from service.store.engines import postgres_engine, sqlite_engine
 from service.store.fits import SqlFits
-from service.store.schema import postgres_engine, sqlite_engine
 from tests.service.postgres import Postgres
 from tests.service.running import Server
 from tests.service.stores import LIMIT, QUEUE

@@ -25,8 +25,8 @@ from service.queue.embedded import EmbeddedQueue
 from service.queue.runner import Runner
 from service.queue.work import Lanes, Tasks
 from service.store.blobs import Blobs
+from service.store.engines import sqlite_engine
 from service.store.fits import SqlFits
-from service.store.schema import sqlite_engine
 from service.workers.pool import WorkerPool
 from service.workers.progress import report
 

@@ -13,10 +13,10 @@ from sqlalchemy import exc, text
 from service.jobs.admission import Admission
 from service.jobs.fit import TRANSITIONS, Failure, FitStatus
 from service.jobs.retention import Retention
-from service.store import schema
+from service.store import engines
 from service.store.blobs import Blobs
+from service.store.engines import sqlite_engine
 from service.store.fits import SqlFits
-from service.store.schema import sqlite_engine
 from tests.service.stores import LIMIT, ME, NOW, add, fit, start
 
 
@@ -203,7 +203,7 @@ def test_commits_are_flushed_to_disk(tmp_path: Path) -> None:
 
 def test_writers_of_sqlite_wait_for_others_but_not_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     engine = sqlite_engine(tmp_path / "fits.sqlite")
-    monkeypatch.setattr(schema, "LOCK_SECONDS", 0.2)
+    monkeypatch.setattr(engines, "LOCK_SECONDS", 0.2)
     write = text("DELETE FROM fits")
     with engine.connect() as first:
         first.execute(write)
