@@ -31,8 +31,9 @@ from service.jobs.fit_files import FitFiles
 from service.jobs.lane_load import LaneLoad
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.observer import FitObserver
-from service.jobs.ports import BlobStore, FitQueue, FitStore
+from service.jobs.ports import FitQueue
 from service.jobs.retention import Retention
+from service.jobs.store_ports import BlobStore, FitStore
 from service.jobs.use_cases import FitService
 from service.queue.runner import Runner
 from service.queue.work import Lanes, Tasks

@@ -20,7 +20,8 @@ from service.jobs.errors import InvalidInputError, NotReadyError
 from service.jobs.exported_file import ExportedFile
 from service.jobs.fit import PointSetRef
 from service.jobs.mesh_request import MeshRequest
-from service.jobs.ports import BlobStore, Seats, Workers
+from service.jobs.ports import Seats, Workers
+from service.jobs.store_ports import BlobStore
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from service.jobs.ports import BlobStore, FitStore
+from service.jobs.store_ports import BlobStore, FitStore
 
 logger = logging.getLogger(__name__)
 

@@ -23,10 +23,11 @@ from service.jobs.fit import Fit, ReceivedPoints
 from service.jobs.new_fit import new_fit
 from service.jobs.page import Page
 from service.jobs.parts import split
-from service.jobs.ports import BlobStore, FitQueue, FitStore, Planner, Reader
+from service.jobs.ports import FitQueue, Planner, Reader
 from service.jobs.read_request import ReadRequest
 from service.jobs.requested_options import RequestedOptions
 from service.jobs.store_calls import call_store
+from service.jobs.store_ports import BlobStore, FitStore
 
 FIT_ID = re.compile("[0-9a-f]{32}")
 

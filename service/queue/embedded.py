@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Any
 
 from service.jobs.fit import Fit
-from service.jobs.ports import FitStore
+from service.jobs.store_ports import FitStore
 from service.queue.fair_queue import FairQueue
 from service.queue.runner import Runner, pause
 

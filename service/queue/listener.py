@@ -8,7 +8,7 @@ from typing import Any
 import psycopg
 
 from service.jobs.fit import Fit
-from service.jobs.ports import FitStore
+from service.jobs.store_ports import FitStore
 from service.queue.procrastinate_jobs import ENDED_CHANNEL
 
 logger = logging.getLogger(__name__)

@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 from procrastinate import App, BaseRetryStrategy, JobContext, PsycopgConnector, RetryDecision
 from procrastinate.jobs import DeleteJobCondition, Job, Status
 
-from service.jobs.ports import FitStore
+from service.jobs.store_ports import FitStore
 from service.queue.procrastinate_jobs import LONG_QUEUE, SHORT_QUEUE, TASK
 from service.queue.runner import RELEASE_SECONDS, Runner, pause
 

@@ -10,7 +10,8 @@ from service.jobs.errors import DeadlineExceededError, NotReadyError, OutOfMemor
 from service.jobs.fit import MAX_CRASHES, Failure, Fit, FitStatus
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.observer import UNOBSERVED, FitObserver
-from service.jobs.ports import BlobStore, FitStore, Workers
+from service.jobs.ports import Workers
+from service.jobs.store_ports import BlobStore, FitStore
 from service.queue.work import Lanes, Tasks, Work
 
 logger = logging.getLogger(__name__)

@@ -15,7 +15,7 @@ from service.jobs.fit import Failure, Fit, FitStatus
 from service.jobs.lane_load import LaneLoad
 from service.jobs.lease_holder import LeaseHolder
 from service.jobs.page import Page
-from service.jobs.ports import NO_QUOTA
+from service.jobs.store_ports import NO_QUOTA
 from service.store import acceptances, mapping, outbox, queries, transitions, turns
 from service.store.input_locks import InputLocks
 from service.store.schema import fits

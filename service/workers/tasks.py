@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 import ipcore
 from service.jobs.errors import NotReadyError
 from service.jobs.fit import PointSetRef
-from service.jobs.ports import BlobStore
 from service.jobs.slices import Slice
+from service.jobs.store_ports import BlobStore
 from service.workers.progress import report
 
 # Bytes that contain the whole header of a stored npy: numpy pads it to a multiple of 64, and two axes take 128.
