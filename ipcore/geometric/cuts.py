@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.geometric.inside_outside import InsideOutside
@@ -80,7 +80,7 @@ def _region_cuts(found: Violations, side: FloatArray, grid: ViolationGrid, sides
     out = []
     for sign in (-1.0, 1.0):
         same_sign = (found.f < 0.0) == (sign < 0.0)
-        labels, count = ndimage.label(found.minor & same_sign)
+        labels, count = scipy.ndimage.label(found.minor & same_sign)
         nodes = np.flatnonzero(labels)
         label, known = labels.ravel()[nodes], side.ravel()[nodes]
         agreement = np.bincount(label, sign * known, count + 1)
@@ -144,7 +144,7 @@ def _uniform_cuts(t: FloatArray, side: float) -> Cuts:
 
 def _to_nearest(region: BoolArray) -> tuple[FloatArray, IntArray]:
     """Return for each node its distance to a region (N, …), in cells, (N, …), and the nearest node, (d, N, …)."""
-    away, nearest = ndimage.distance_transform_edt(~region, return_indices=True)
+    away, nearest = scipy.ndimage.distance_transform_edt(~region, return_indices=True)
     return away, nearest.astype(np.intp)
 
 

@@ -10,7 +10,7 @@ the coarse grid and the nearest normal disagree or one of the two is in doubt, w
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+import scipy
 from scipy.spatial import cKDTree
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
@@ -92,7 +92,9 @@ class InsideOutside:
         """Return side and distance of places (M, d)."""
         distance, index = nearest(self.tree, places, within=SEARCH_RADIUS)
         far = np.isinf(distance)
-        outward = map_coordinates(self._coarse, ((places - self._lower) / self._cell).T, order=1, mode="nearest")
+        outward = scipy.ndimage.map_coordinates(
+            self._coarse, ((places - self._lower) / self._cell).T, order=1, mode="nearest"
+        )
         close = np.flatnonzero(~far)
         doubtful = close[self._doubtful(places[close], index[close], distance[close], outward[close])]
         if len(doubtful):

@@ -8,7 +8,7 @@ are regions.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.geometric.inside_outside import InsideOutside
@@ -115,7 +115,7 @@ def _minor_regions(inside: BoolArray) -> tuple[BoolArray, int]:
     """Return the nodes (N, …) of all regions but the largest of each sign, and the number of regions."""
     regions, minor = 0, np.zeros_like(inside)
     for part in (inside, ~inside):
-        labels, count = ndimage.label(part)
+        labels, count = scipy.ndimage.label(part)
         regions += count
         if count > 1:
             sizes = np.bincount(labels.ravel())

@@ -6,7 +6,7 @@ Tarel and Cooper 2000). L_n(−x) = (−1)^n L_n(x), so with an odd degree the z
 """
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from ipcore._typing import FloatArray, IntArray
 from ipcore.polynomial import graded, univariate
@@ -107,7 +107,7 @@ def _minimum_on_sphere(powers: IntArray, coefficients: FloatArray) -> float:
     def value(x: FloatArray) -> tuple[float, FloatArray]:
         return _on_sphere(powers, coefficients / scale, x)
 
-    return scale * min(float(minimize(value, x, jac=True, method="BFGS", tol=1e-14).fun) for x in lowest)
+    return scale * min(float(scipy.optimize.minimize(value, x, jac=True, method="BFGS", tol=1e-14).fun) for x in lowest)
 
 
 def _on_sphere(powers: IntArray, coefficients: FloatArray, x: FloatArray) -> tuple[float, FloatArray]:

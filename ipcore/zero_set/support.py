@@ -5,7 +5,7 @@ and the *gap radius*, which may be larger, it may lie in a gap that random data 
 """
 
 import numpy as np
-from scipy import ndimage
+import scipy
 from scipy.spatial import cKDTree
 
 from ipcore._typing import BoolArray, FloatArray, IntArray
@@ -87,7 +87,7 @@ def is_beyond_support(x: FloatArray, data: FloatArray, threads: int | None = Non
     counts = tuple(((upper - lower) // side).astype(np.intp) + 1)
     holds = np.zeros(counts, dtype=np.bool_)
     holds.ravel()[_bins(data, lower, side, counts)] = True
-    around = ndimage.maximum_filter(holds, 2 * int(np.ceil(radius / side)) + 1)
+    around = scipy.ndimage.maximum_filter(holds, 2 * int(np.ceil(radius / side)) + 1)
     bins = _bins(x, lower, side, counts)
     near = holds.ravel()[bins] & (side * np.sqrt(x.shape[1]) < BIN_SLACK * radius)
     doubtful = np.flatnonzero(around.ravel()[bins] & ~near)

@@ -1,10 +1,8 @@
-"""What a supervisor is told of a process, as typed dependencies: whether it is ready, and its metrics."""
+"""What a supervisor is told of a process: whether it is ready, and its metrics."""
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Protocol
-
-from fastapi import Depends, Request
+from typing import Protocol
 
 
 class RequestObserver(Protocol):
@@ -39,11 +37,3 @@ class Watch:
     check_ready: Callable[[], Awaitable[None]]
     exposition: Exposition
     requests: RequestObserver
-
-
-async def _watch(request: Request) -> Watch:
-    watch: Watch = request.app.state.watch
-    return watch
-
-
-WatchDep = Annotated[Watch, Depends(_watch)]

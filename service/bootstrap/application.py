@@ -22,7 +22,7 @@ def _context(settings: Settings) -> AbstractAsyncContextManager[Context]:
     if settings.database_url is None:
         from service.bootstrap.embedded import context  # noqa: PLC0415 - see above
     else:
-        from service.bootstrap.cluster import context  # noqa: PLC0415 - see above
+        from service.bootstrap.replica import context  # noqa: PLC0415 - see above
     return context(settings)
 
 

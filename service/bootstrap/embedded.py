@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from service.api.dependencies import Context
-from service.bootstrap import components
+from service.bootstrap import fitting, server
 from service.queue.embedded import EmbeddedQueue
 from service.settings import Settings
 from service.store.blobs import Blobs
@@ -21,24 +21,24 @@ async def context(settings: Settings) -> AsyncIterator[Context]:
     """Yield the context of a server that resumes the fits which an earlier one left, and close it again."""
     with opened(settings.data_dir) as folder:
         engine = sqlite_engine(folder.database)
-        store, blobs = SqlFits(engine, components.admission(settings)), Blobs(settings.blobs_url or str(folder.blobs))
-        sweeping = asyncio.create_task(components.retention(settings, store, blobs).keep_sweeping())
-        metrics, pools = Metrics(), components.Pools()
+        store, blobs = SqlFits(engine, fitting.admission(settings)), Blobs(settings.blobs_url or str(folder.blobs))
+        sweeping = asyncio.create_task(fitting.retention(settings, store, blobs).keep_sweeping())
+        metrics, pools = Metrics(), fitting.Pools()
         try:
-            async with components.fitters(settings, pools) as fitters:
-                runner = components.runner(settings, store, blobs, fitters, metrics, publish=False)
+            async with fitting.fitters(settings, pools) as fitters:
+                runner = fitting.runner(settings, store, blobs, fitters, metrics, publish=False)
                 queue = EmbeddedQueue(store, runner, seats=settings.workers, short_seats=settings.short_workers)
                 async with (
-                    components.callbacks(settings, SqlCallbacks(engine)) as callbacks,
-                    components.use_cases(settings, store, blobs, queue, callbacks, folder.files, pools) as (
+                    server.callbacks(settings, SqlCallbacks(engine)) as callbacks,
+                    server.use_cases(settings, store, blobs, queue, callbacks, folder.files, pools) as (
                         fits,
                         files,
                     ),
-                    components.watch(metrics, pools, store.load, fits.check) as watch,
+                    fitting.watch(metrics, pools, store.load, fits.check) as watch,
                 ):
                     try:
                         await queue.resume()
-                        yield components.context(settings, fits, files, folder.incoming, watch)
+                        yield server.context(settings, fits, files, folder.incoming, watch)
                     finally:
                         await queue.close()
         finally:

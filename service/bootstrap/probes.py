@@ -8,7 +8,7 @@ import uvicorn
 
 from service.api.probes import create_probes
 from service.api.watch import Watch
-from service.bootstrap.components import connection_limits
+from service.bootstrap.server import connection_limits
 from service.connections.protocol import guarded
 from service.settings import Settings
 
@@ -23,16 +23,13 @@ class _Server(uvicorn.Server):
 
 
 @asynccontextmanager
-async def serving(settings: Settings, watch: Watch) -> AsyncIterator[None]:
-    """Answer `/livez`, `/readyz` and `/metrics` at IPFIT_PROBE_PORT, if it is set."""
-    if settings.probe_port is None:
-        yield
-        return
+async def serving(settings: Settings, port: int, watch: Watch) -> AsyncIterator[None]:
+    """Answer `/livez`, `/readyz` and `/metrics` at this port."""
     server = _Server(
         uvicorn.Config(
             create_probes(watch),
             host=settings.host,
-            port=settings.probe_port,
+            port=port,
             http=guarded(connection_limits(settings)),
             ws="none",
             lifespan="off",

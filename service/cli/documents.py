@@ -5,7 +5,7 @@ import sys
 import orjson
 import typer
 
-from service.bootstrap import application
+from service.bootstrap.application import application
 from service.cli.chosen import chosen_settings
 from service.cli.option_texts import table as fit_options
 from service.problem_types import table as problem_table

@@ -10,7 +10,8 @@ from types import FrameType
 import uvicorn
 from fastapi import FastAPI
 
-from service.bootstrap import application, connection_limits, drain, end_drain
+from service.bootstrap.application import application, drain, end_drain
+from service.bootstrap.server import connection_limits
 from service.connections.protocol import guarded
 from service.settings import Settings
 from service.telemetry.logs import log_config

@@ -17,6 +17,6 @@ def worker() -> None:
         raise typer.Exit(2)
     configure(settings.log_format, settings.log_level)
     fork_server.start()
-    from service.bootstrap.cluster import work  # noqa: PLC0415 - loaded while the fork server loads what workers need
+    from service.bootstrap.worker import work  # noqa: PLC0415 - loaded while the fork server loads what workers need
 
     asyncio.run(work(settings))

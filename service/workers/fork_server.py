@@ -11,7 +11,9 @@ from multiprocessing.context import ForkServerContext
 # One BLAS thread per worker: the pool already fills the cores, and small products are slower on several threads. The
 # libraries read these variables when they are loaded, so they must be set before numpy is imported.
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-PRELOAD = ["service.workers.tasks", "service.formats.exports", "service.formats.points.reader"]
+# Processes that only pass fits on do not load the parts of SciPy that fits alone use: it loads them when they are used.
+FITTING = ["scipy.ndimage", "scipy.optimize"]
+PRELOAD = ["service.workers.tasks", "service.formats.exports", "service.formats.points.reader", *FITTING]
 
 
 def context() -> ForkServerContext:

@@ -10,7 +10,7 @@ import httpx
 import jsonschema_rs
 import pytest
 
-from service.bootstrap import application
+from service.bootstrap.application import application
 from service.settings import Settings
 from tests.pages import DOCS, blocks
 from tests.service.bodies import HALF_A_MINUTE, LONG, ellipse, npy

@@ -11,7 +11,7 @@ import httpx
 import jsonschema_rs
 import pytest
 
-from service.bootstrap import application
+from service.bootstrap.application import application
 from service.jobs.bounds import MOST_COEFFICIENTS
 from service.settings import Settings
 from tests.service.running import COMMAND

@@ -2,9 +2,9 @@
 
 from fastapi import APIRouter
 
+from service.api.dependencies import WatchDep
 from service.api.descriptions import problem
 from service.api.schemas import Health
-from service.api.watch import WatchDep
 
 router = APIRouter(tags=["health"])
 

@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Request, Response
 
 from service.api import negotiation
-from service.api.watch import WatchDep
+from service.api.dependencies import WatchDep
 
 router = APIRouter(tags=["health"])
 # Prometheus asks for both, and prefers the second.
