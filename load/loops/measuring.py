@@ -23,6 +23,7 @@ WARMING = 8  # requests before a measurement, for each worker to have loaded all
 STARTING = 15.0  # seconds longer that attackers are busy: a generator of load takes some to start
 SLOPE_STEP = 4  # of all looks, those from which the slope of memory is worked out
 IDLE = 0.2  # cores; with less, the machine is busy
+BUSY = 0.85  # of the time; workers that are busy so much have always something to do
 COLUMNS = [
     "scenario", "asked by", "answers/s", "p50", "p90", "p99", "most waiting", "429 / 503", "`/livez` p99", "memory",
     "cores kept busy", "what limits it",
@@ -61,6 +62,8 @@ class Row:
     def _limit(self) -> str:
         if self.seen.cores["idle"] < IDLE:
             return f"the processor: all {psutil.cpu_count()} cores are busy"
+        if self.seen.cores["workers"] > BUSY * self.scenario.workers:
+            return f"the processes that do this: {self.scenario.workers}"
         return "the rate of arrival" if self.rate else "each client waits for its answer"
 
 

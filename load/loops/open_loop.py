@@ -22,6 +22,9 @@ USERS = re.compile(r"^stats: users_count \d+ (\d+)$", re.MULTILINE)
 DOCTYPE = '<?xml version="1.0"?>\n<!DOCTYPE tsung SYSTEM "/usr/share/tsung/tsung-1.0.dtd">\n'
 # Seconds after the last arrival in which requests may still be answered.
 PATIENCE = 60
+# Seconds that each user stays after its answer. Tsung ends with its last user, and does not write down the answers of
+# its last second.
+LINGERING = 3
 
 
 def run(url: str, requests: list[Request], rate: float, seconds: float, folder: Path) -> Answers:
@@ -64,6 +67,7 @@ def _plan(url: str, requests: list[Request], rate: float, seconds: float, folder
         share = f"{100.0 * one.share / total:.4f}"
         session = ET.SubElement(sessions, "session", name=str(number), probability=share, type="ts_http")
         session.append(_request(one, folder / f"body-{number}.npy"))
+        ET.SubElement(session, "thinktime", value=f"{LINGERING}", random="false")
     return root
 
 

@@ -28,6 +28,8 @@ class Scenario:
         Settings of the server besides those of `load.engines`.
     beside
         Names of attackers (`load.attackers`) that are busy at the same time.
+    workers
+        How many processes do what is asked for.
 
     """
 
@@ -37,6 +39,7 @@ class Scenario:
     load: float = 0.0
     settings: dict[str, object] = field(default_factory=dict)
     beside: tuple[str, ...] = ()
+    workers: int = 2
 
 
 def _outlines(_: str) -> list[Request]:
@@ -62,7 +65,7 @@ SCENARIOS = (
     Scenario("tori of 10,000 points", _surfaces_10_000),
     Scenario("tori of 100,000 points", _surfaces_100_000),
     CLOSED_MIXED,
-    Scenario("meshes", meshes),
+    Scenario("meshes", meshes, workers=1),
     Scenario("outlines beside slow and hostile clients", _outlines, beside=SLOW),
     Scenario("outlines at 0.7 of capacity", _outlines, load=0.7),
     Scenario("mixed at 0.7 of capacity", _mixed, load=0.7),
