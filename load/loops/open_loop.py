@@ -4,6 +4,7 @@ Each request comes on a connection of its own; the times between them are expone
 So a server that falls behind is asked no less, and waits are measured in full.
 """
 
+import os
 import re
 import shutil
 import subprocess
@@ -33,8 +34,9 @@ def run(url: str, requests: list[Request], rate: float, seconds: float, folder: 
     plan.write_text(DOCTYPE + ET.tostring(_plan(url, requests, rate, seconds, folder), "unicode"), encoding="utf-8")
     log.mkdir()
     began = time.monotonic()
+    # the id tells it from another that runs at the same time
     done = subprocess.run(  # noqa: S603 - a program that the system has
-        [TSUNG or "tsung", "-f", plan, "-l", f"{log}/", "-n", "start"],
+        [TSUNG or "tsung", "-f", plan, "-l", f"{log}/", "-n", "-i", str(os.getpid()), "start"],
         capture_output=True,
         text=True,
         timeout=seconds + 2 * PATIENCE,
