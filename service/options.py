@@ -155,8 +155,8 @@ class FitOptions(BaseModel):
     )
     measure_zero_set: bool = Field(
         default=True,
-        description="Whether to report the zero set's stray share and number of components; without it a fit of few "
-        "points is several times faster.",
+        description="Whether to prove where the zero set lies, and report its stray share and number of components; "
+        "without it a fit of few points is several times faster.",
     )
 
 

@@ -87,7 +87,7 @@ class FitOptions(DerivedOptions):
     basis
         The basis of the returned coefficients: monomials of the frame, or Chebyshev products on the bounds.
     measure_zero_set
-        Whether to extract the zero set once, on a coarse grid, and report its stray share and its components.
+        Whether to prove what can be proved of the zero set, and report its stray share and its components.
 
     Raises
     ------

@@ -25,7 +25,7 @@ from ipcore.polynomial.implicit import ImplicitPolynomial
 
 EPSILON = float(np.finfo(float).eps)
 # By how much the box of the blocks is larger than the bounds, as a share: places on the walls have rounded variables.
-GROWTH = 2.0**-30
+BOX_GROWTH = 2.0**-30
 CHUNK = 2**21  # coefficients that are treated together: 16 MB
 
 
@@ -62,7 +62,7 @@ class Blocks:
     def of(cls, polynomial: ImplicitPolynomial, parts: int) -> Self:
         """Return the first blocks: `parts` along each axis of the polynomial's bounds."""
         n, d = polynomial.degree, polynomial.dimension
-        grown = polynomial.bounds + GROWTH * np.diff(polynomial.bounds, axis=0) * np.array([[-1.0], [1.0]])
+        grown = polynomial.bounds + BOX_GROWTH * np.diff(polynomial.bounds, axis=0) * np.array([[-1.0], [1.0]])
         edges = [np.linspace(low, high, parts + 1) for low, high in grown.T]
         variables = [polynomial.variable(edge, axis) for axis, edge in enumerate(edges)]
         ends = [np.stack([t[:-1], t[1:]]) for t in variables]

@@ -13,7 +13,7 @@ import numpy as np
 from ipcore._typing import BoolArray, FloatArray, IntArray
 from ipcore.proof.blocks import Blocks
 
-FINER = 4  # how often the smallest of the given cells can be halved
+SPARE_HALVINGS = 4  # how often the smallest of the given cells can be halved
 SIDES = 64  # more than there are different sides
 
 
@@ -44,11 +44,11 @@ class Cells:
     def of(cls, leaves: list[Blocks]) -> Self:
         """Return the cells of blocks of one box."""
         top = max(blocks.halvings for blocks in leaves)
-        sides = [2 << (top - blocks.halvings + FINER) for blocks in leaves]
+        sides = [2 << (top - blocks.halvings + SPARE_HALVINGS) for blocks in leaves]
         low = [blocks.place.astype(np.int64) * side for blocks, side in zip(leaves, sides, strict=True)]
         repeated = [np.full(len(blocks), side) for blocks, side in zip(leaves, sides, strict=True)]
         first = leaves[0]
-        width = first.parts * (2 << (top + FINER))
+        width = first.parts * (2 << (top + SPARE_HALVINGS))
         return cls(np.concatenate(low), np.concatenate(repeated), width, first.lower, first.size / sides[0])
 
     def keys(self, low: IntArray | None = None) -> IntArray:

@@ -22,7 +22,7 @@ from ipcore.proof.tube import Tube
 
 # The first blocks along each axis, and how often they are halved at most, to clear them and to find them simple.
 PARTS = 8
-CLEARING, SIMPLIFYING = 7, 10
+CLEARING, SIMPLIFYING = 10, 10
 WALL_HALVINGS = 4  # of blocks at the walls: large ones touch the walls though the zero set does not
 MOST_BLOCKS = 60_000  # that are looked at: ten times as many as the good fits of bench/QUALITY.md need
 MOST_UNCLEARED = 16

@@ -8,6 +8,8 @@ import numpy as np
 from ipcore._typing import BoolArray
 from ipcore.proof.blocks import Blocks
 
+# With a hopeless block the whole is not settled: how often the others are halved then, to say where else it is not.
+FEW_HALVINGS = 4
 Judgement = Callable[[Blocks], BoolArray]
 
 
@@ -66,7 +68,9 @@ def subdivided(
             hopeless = is_hopeless(blocks)
             left.append(blocks[hopeless])
             blocks = blocks[~hopeless]
-        if blocks.halvings == halvings or looked_at > most:
+            if hopeless.any():
+                halvings = min(halvings, FEW_HALVINGS)
+        if blocks.halvings >= halvings or looked_at > most:
             left.append(blocks)
         elif len(blocks):
             waiting += blocks.halved().chunks()

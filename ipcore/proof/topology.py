@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from ipcore._typing import BoolArray, IntArray
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.proof.blocks import Blocks, rounding
-from ipcore.proof.octree import FINER, Cells, Faces
+from ipcore.proof.octree import SPARE_HALVINGS, Cells, Faces
 
 # The corners of a square and the middles of its edges, in order, in halves of its side.
 AROUND = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)])
@@ -41,7 +41,7 @@ def topology(polynomial: ImplicitPolynomial, leaves: list[Blocks]) -> Topology |
     if any(blocks.touch_walls().any() for blocks in leaves):
         return None
     cells = Cells.of(leaves)
-    for _ in range(FINER + 1):
+    for _ in range(SPARE_HALVINGS + 1):
         cells = cells.balanced()
         corners, faces = cells.corners(), Faces.of(cells)
         places = cells.positions(corners)

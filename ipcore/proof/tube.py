@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 from ipcore._typing import BoolArray, FloatArray
 from ipcore.points.neighbours import nearest
 from ipcore.proof.blocks import Blocks
-from ipcore.zero_set.support import SUPPORT_SPACINGS, support_radius
+from ipcore.zero_set.support import SUPPORT_SPACINGS, gap_radius, support_radius
 
 # The density of the data at a datum follows from the distance to the neighbour of this number.
 NEIGHBOUR = 6
@@ -18,15 +18,15 @@ ASKED = 4
 class Tube:
     """Balls about the data: a place is in the tube if any ball holds it.
 
-    Their radius is the support radius of all data (`zero_set.support`), or 2.5 times the spacing around a datum, if
-    that is more: where the data are sparse, the balls are larger.
+    Their radius is the support radius of the data or, if that is more, their gap radius (`zero_set.support`): a random
+    sample leaves gaps, which a zero set crosses. Where data are sparser still, it is 2.5 times the spacing around them.
     """
 
     def __init__(self, points: FloatArray, scale: float = 1.0) -> None:
         """Take the data (N, d), of mean radius `scale`."""
         self._tree = cKDTree(points)
         local = SUPPORT_SPACINGS * spacing(points, self._tree)
-        self._radii = np.maximum(support_radius(points, scale), local)
+        self._radii = np.maximum(max(support_radius(points, scale), gap_radius(points)), local)
         self.radius = float(self._radii.max())
         self._asked = min(ASKED, len(points))
 

@@ -131,8 +131,8 @@ def _of_the_zero_set(diagnostics: Diagnostics, *, inward: bool) -> list[FitWarni
         out.append(FitWarning(WarningCode.LOW_COVERAGE, text))
     if diagnostics.quiet is False:
         text = (
-            "The zero set has parts away from the data or in pieces that no constraint could remove: take a lower "
-            "max_degree, or more points where they are sparse."
+            "The zero set has, or may have, parts away from the data or in pieces that no constraint could remove: "
+            "take a lower max_degree, or more points where they are sparse. `proof.uncleared` says where it may."
         )
         out.append(FitWarning(WarningCode.NOT_QUIET, text))
     if (diagnostics.unsure or 0.0) > TOLERATED_UNSURE and not inward:  # else that is the cause, and was named

@@ -18,7 +18,7 @@ def fit_result(search: DegreeSearch, best: Candidate, reason: StopReason, input_
     fitted = best.fit.polynomial
     delivered = fitted.to_monomial() if options.basis is Basis.MONOMIAL else fitted.to_chebyshev()
     loss = search.fitter.orthogonality_loss(best.step.columns)
-    diagnostics = diagnose(best, delivered, data, options, loss)
+    diagnostics, proof = diagnose(best, delivered, data, options, loss)
     found = DataFindings.of(data, diagnostics.normal_self_check)
     warnings = fit_warnings(diagnostics, reason, delivery_shift(fitted, delivered, data), found)
     return FitResult(
@@ -26,6 +26,7 @@ def fit_result(search: DegreeSearch, best: Candidate, reason: StopReason, input_
         stop_reason=reason,
         steps=tuple(search.steps),
         diagnostics=diagnostics,
+        proof=None if proof is None else proof.to_raw(data.frame),
         warnings=tuple(warnings),
         options=options,
         version=_version(),

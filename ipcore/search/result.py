@@ -6,6 +6,7 @@ from typing import Any
 from ipcore.options.fit_options import FitOptions
 from ipcore.points.normals import NormalSource
 from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.proof.prover import Proof
 from ipcore.search.fit_warning import FitWarning
 from ipcore.search.stop_reason import StopReason
 
@@ -103,8 +104,9 @@ class Diagnostics:
     orthogonality_loss
         ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None for factorisations that keep it.
     quiet
-        Whether the zero set was found near the data only, and whole, on two fine grids; None without sign constraints.
-        Where neighbouring points are farther apart than the support radius, a zero set that crosses the gap is quiet.
+        Whether the zero set is proved to lie near the data only, and was found whole on two fine grids; None without
+        sign constraints, or if the zero set was not to be measured. Where neighbouring points are farther apart than
+        the support radius, a zero set that crosses the gap is quiet.
     unsure
         Share of the box, without what is near the data, where the data do not tell inside from outside; None without
         sign constraints.
@@ -157,6 +159,9 @@ class FitResult:
         The version of this library.
     input_sha256
         SHA-256 of the points and normals as they were used: shape, then doubles, little-endian, in C order.
+    proof
+        What was proved of its zero set, in the caller's coordinates; None if nothing was tried, because the zero set
+        was not to be measured or was seen to stray.
 
     """
 
@@ -168,6 +173,7 @@ class FitResult:
     options: FitOptions
     version: str
     input_sha256: str
+    proof: Proof | None = None
 
     @property
     def degree(self) -> int:
@@ -181,6 +187,7 @@ class FitResult:
             "stop_reason": str(self.stop_reason),
             "steps": [asdict(step) for step in self.steps],
             "diagnostics": asdict(self.diagnostics),
+            "proof": None if self.proof is None else asdict(self.proof),
             "warnings": [warning.to_dict() for warning in self.warnings],
             "options": self.options.to_dict(),
             "engine": {"version": self.version, "input_sha256": self.input_sha256},

@@ -7,6 +7,7 @@ from pydantic import BaseModel, Field
 from service.api.callback_schemas import CallbackResource
 from service.api.fit_request import Rows
 from service.api.problems import Problem
+from service.api.proof_schemas import Proof
 from service.api.schema_types import (
     ColumnCount,
     Count,
@@ -125,8 +126,8 @@ class Diagnostics(BaseModel):
         description="‖QᵀQ − I‖₂ of the paper's eq. (5); null where another factorisation keeps it at rounding."
     )
     quiet: bool | None = Field(
-        description="Whether the zero set keeps to the points (and the gaps between them) and is whole, within the "
-        "bounds; null if no signs were asked for."
+        description="Whether the zero set is proved to keep to the points (and the gaps between them) within the "
+        "bounds, and was found whole; null if no signs were asked for, or it was not to be measured."
     )
     unsure: float | None = Field(
         description="Share of the bounds, away from the points, where they do not tell inside from outside."
@@ -200,6 +201,9 @@ class FitResource(FitSummary):
     ) = Field(None, description="Why no higher degree was tried.")
     steps: Steps | None = Field(None, description="Every degree, or column, that was tried.")
     diagnostics: Diagnostics | None = Field(None, description="How good the answer is.")
+    proof: Proof | None = Field(
+        None, description="What is proved of its zero set; null if that was not to be measured, or is seen to stray."
+    )
     warnings: Annotated[list[FitWarning], Field(max_length=MOST_WARNINGS)] | None = Field(
         None, description="What a careful user should know."
     )

@@ -13,7 +13,7 @@ from ipcore.polynomial import graded
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
-from ipcore.proof.blocks import GROWTH, Blocks, halving, rounding
+from ipcore.proof.blocks import BOX_GROWTH, Blocks, halving, rounding
 
 
 def polynomial(
@@ -93,7 +93,7 @@ def test_the_first_blocks_cover_a_little_more_than_the_bounds() -> None:
     length = p.bounds[1] - p.bounds[0]
     assert (blocks.lower < p.bounds[0]).all()
     assert (upper > p.bounds[1]).all()
-    np.testing.assert_allclose(blocks.lower, p.bounds[0] - GROWTH * length, rtol=1e-14)
+    np.testing.assert_allclose(blocks.lower, p.bounds[0] - BOX_GROWTH * length, rtol=1e-14)
     np.testing.assert_allclose(blocks.middle.min(axis=0) - blocks.lower, blocks.size / 2, rtol=1e-9)
     assert blocks.radius >= np.linalg.norm(blocks.size) / 2
 

@@ -30,7 +30,7 @@ def test_without_a_zero_set_there_are_no_components_and_no_stray_share(
     best, _ = DegreeSearch(data, OPTIONS, fitter, stopping_criterion(OPTIONS)).run([4], None)
     f = best.fit.polynomial
     lifted = replace(f, coefficients=f.coefficients + raised * (np.arange(len(f.coefficients)) == 0))
-    some, none = (diagnose(best, delivered, data, OPTIONS, None) for delivered in (f, lifted))
+    some, none = (diagnose(best, delivered, data, OPTIONS, None)[0] for delivered in (f, lifted))
     assert (none.components, none.stray) == (0, None)
     assert some.components
     assert some.stray is not None
