@@ -2,7 +2,7 @@
 
 from pydantic import BaseModel, Field
 
-from service.api.schema_types import Count, Vector
+from service.api.schema_types import Count, EulerCharacteristic, Vector
 
 _MOST_PLACES = 16
 
@@ -26,7 +26,7 @@ class Proof(BaseModel):
     )
     regular: bool = Field(description="Whether it is proved that the zero set is smooth: ∇f does not vanish on it.")
     components: Count | None = Field(description="The number of its components; null if not proved.")
-    euler: int | None = Field(
+    euler: EulerCharacteristic | None = Field(
         description="Its Euler characteristic: 0 in the plane, in space the sum of 2 − 2 genus over the components; "
         "null if not proved."
     )

@@ -37,6 +37,7 @@ Name = Annotated[str, Field(max_length=100, pattern=_PRINTABLE), BeforeValidator
 
 Count = Annotated[int, Field(ge=0, le=LARGEST_COUNT)]
 ColumnCount = Annotated[int, Field(ge=0, le=MOST_COEFFICIENTS)]
+EulerCharacteristic = Annotated[int, Field(ge=-LARGEST_COUNT, le=LARGEST_COUNT)]
 Dimension = Annotated[int, Field(ge=2, le=3)]
 Degree = Annotated[int, Field(ge=1, le=40)]
 Exponent = Annotated[int, Field(ge=0, le=40)]
