@@ -95,9 +95,9 @@ load: $(VENV)/.load-stamp ## measure throughput and times under load, on both en
 
 lock: .venv-lock/.stamp ## write requirements.lock, those of tests/, bench/ and load/, and package-lock.json anew (needs npm)
 	$(COMPILE) --group build --extra s3 --extra otel --extra examples -o requirements.lock pyproject.toml
-	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra verify --extra dev -c requirements.lock -o tests/requirements.lock pyproject.toml
 	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra bench -c tests/requirements.lock -o bench/requirements.lock pyproject.toml
-	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra dev --extra load -c tests/requirements.lock -o load/requirements.lock pyproject.toml
+	$(COMPILE) --group build --extra s3 --extra otel --extra examples --extra verify --extra dev --extra load -c tests/requirements.lock -o load/requirements.lock pyproject.toml
 	$(COMPILE) -o tests/contract/requirements.lock tests/contract/requirements.in
 	cd $(CONTRACT) && npm install --package-lock-only
 

@@ -1,32 +1,35 @@
-"""Bernstein coefficients of a polynomial on the blocks of a box, halved again and again, with a bound of all rounding.
+"""A polynomial on the blocks of a box, halved again and again, in Chebyshev products of each block.
 
-A polynomial's values on a block lie between its least and its greatest coefficient in products of Bernstein polynomials
-there (see `polynomial.bernstein`). De Casteljau's algorithm gives the coefficients on the two halves of a block: each
-is a mean of those on the block, with the weights C(i, j)/2^i, which doubles hold exactly.
+On a block f = Σ c_ijk T_i(r) T_j(s) T_k(t) with −1 ≤ r, s, t ≤ 1. On a small block the coefficients fall off fast:
+those of high degree are left out, and as |T_i| ≤ 1, what they amount to is added to the *slack* (Chebyshev models:
+Brisebarre and Joldeş, Chebyshev interpolation polynomial-based tools for rigorous computing, ISSAC 2010). For bounds
+the others are written in Bernstein polynomials (see `enclosure`): f lies between the least and the greatest coefficient
+in these, give or take the slack.
 
-*Slack* bounds the rounding, so that the bounds hold for the polynomial with exactly these coefficients, and for its
-values as they are computed in doubles, term by term. With Σ = Σ |a_ijk| X_i Y_j Z_k, where X_i is the greatest
-coefficient of the i-th function on the block, the coefficients on the first blocks are off by d (n + 2) ε Σ at most,
-and by the roundings of the functions' own coefficients; a computed value by (m + 3n + 4) ε Σ: n products for each of m
-terms, m − 1 sums, two roundings in each variable. Each halving adds (n + 2) ε times the greatest coefficient.
+The slack also bounds all rounding, so that the bounds hold for the polynomial with exactly the delivered coefficients,
+and for its values as they are computed in doubles.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from math import comb
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from ipcore._typing import BoolArray, FloatArray
-from ipcore.polynomial import bernstein, evaluation, graded
-from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.proof.enclosure import Enclosure, along_axis
+from ipcore.proof.intervals import halving
+from ipcore.proof.rounding import EPSILON
+from ipcore.proof.weights import Weights
 
-EPSILON = float(np.finfo(float).eps)
-# By how much the box of the blocks is larger than the bounds, as a share: places on the walls have rounded variables.
-BOX_GROWTH = 2.0**-30
-CHUNK = 2**21  # coefficients that are treated together: 16 MB
+CHUNK = 2**16  # coefficients that are treated together: half a megabyte, which stays in the processor's cache
+# What is left out of the coefficients of a block, as a share of the range of f on it, adds up over halvings.
+LEFT_OUT = 1e-5
+STALE = 1e-2  # with more slack than this share of the range, the coefficients are to be computed afresh
+# What is left out for bounds of values and of slopes, as a share of the range of f.
+FOR_VALUES, FOR_SLOPES = 1e-2, 1e-3
+SUMMED = 1.0 + 1e-11  # by what factor a sum of absolute values may be larger than it is computed
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +39,15 @@ class Blocks:
     Attributes
     ----------
     coefficients
-        (B, n+1, …), the Bernstein coefficients of f on each.
+        (n+1, …, B), the Chebyshev coefficients of f on each.
     place
         (B, d), which block of the lattice of such blocks each is.
     halvings
         How often the first blocks were halved, along every axis.
     slack
-        (B,), a bound of the rounding in each of the coefficients, and in values of f.
+        (B,), how much f may differ from these coefficients' polynomial, as it is and as it is computed.
+    slope_slack
+        (B, d), how much its derivatives ∂f/∂x_k may differ.
     lower, size
         (d,), the lower corner of the lattice, and the size of these blocks.
     parts
@@ -54,44 +59,35 @@ class Blocks:
     place: FloatArray
     halvings: int
     slack: FloatArray
+    slope_slack: FloatArray
     lower: FloatArray
     size: FloatArray
     parts: int
-
-    @classmethod
-    def of(cls, polynomial: ImplicitPolynomial, parts: int) -> Self:
-        """Return the first blocks: `parts` along each axis of the polynomial's bounds."""
-        n, d = polynomial.degree, polynomial.dimension
-        grown = polynomial.bounds + BOX_GROWTH * np.diff(polynomial.bounds, axis=0) * np.array([[-1.0], [1.0]])
-        edges = [np.linspace(low, high, parts + 1) for low, high in grown.T]
-        variables = [polynomial.variable(edge, axis) for axis, edge in enumerate(edges)]
-        ends = [np.stack([t[:-1], t[1:]]) for t in variables]
-        tables = [bernstein.matrices(polynomial.basis, n, pair) for pair in ends]
-        B = evaluation.along_axes(polynomial.tensor, [table.reshape(-1, n + 1) for table in tables])
-        B = B.reshape((parts, n + 1) * d).transpose(*range(0, 2 * d, 2), *range(1, 2 * d, 2))
-        return cls(
-            np.ascontiguousarray(B.reshape(-1, *(n + 1,) * d)),
-            np.indices((parts,) * d).reshape(d, -1).T.astype(float),
-            0,
-            _first_slack(polynomial, tables, ends).ravel(),
-            grown[0],
-            (grown[1] - grown[0]) / parts,
-            parts,
-        )
 
     def __len__(self) -> int:
         """Return B."""
         return len(self.place)
 
-    def __getitem__(self, some: BoolArray | slice) -> "Blocks":
+    def __getitem__(self, some: BoolArray | slice) -> Self:
         """Return some of the blocks."""
-        coefficients, place, slack = self.coefficients[some], self.place[some], self.slack[some]
-        return replace(self, coefficients=coefficients, place=place, slack=slack)
+        return replace(
+            self,
+            coefficients=self.coefficients[..., some],
+            place=self.place[some],
+            slack=self.slack[some],
+            slope_slack=self.slope_slack[some],
+        )
 
-    @property
-    def _flat(self) -> FloatArray:
-        """The coefficients of each block in a row, (B, (n+1)^d)."""
-        return self.coefficients.reshape(len(self), int(np.prod(self.coefficients.shape[1:])))
+    @classmethod
+    def together(cls, some: Sequence[Self]) -> Self:
+        """Return blocks of one size and degree together."""
+        return replace(
+            some[0],
+            coefficients=np.concatenate([blocks.coefficients for blocks in some], axis=-1),
+            place=np.concatenate([blocks.place for blocks in some]),
+            slack=np.concatenate([blocks.slack for blocks in some]),
+            slope_slack=np.concatenate([blocks.slope_slack for blocks in some]),
+        )
 
     @property
     def middle(self) -> FloatArray:
@@ -103,16 +99,48 @@ class Blocks:
         """Return half of a block's diagonal, rounded up."""
         return float(np.linalg.norm(self.size)) / 2.0 * (1.0 + 1e-9)
 
-    def chunks(self) -> Iterator["Blocks"]:
+    @property
+    def degree(self) -> int:
+        """Return n, the degree in each variable up to which there are coefficients."""
+        return len(self.coefficients) - 1
+
+    @property
+    def _rows(self) -> tuple[int, int]:
+        """The shape with one row for each product and one column for each block."""
+        return (self.degree + 1) ** len(self.size), len(self)
+
+    @property
+    def _weights(self) -> Weights:
+        """The weights that bound f and its derivatives."""
+        return Weights.of(len(self.size), self.degree)
+
+    @cached_property
+    def _sizes(self) -> FloatArray:
+        """The absolute values of the coefficients, one row for each product, ((n+1)^d, B)."""
+        return np.abs(self.coefficients).reshape(self._rows)
+
+    def enclosed(self) -> Enclosure:
+        """Return the bounds by Bernstein coefficients."""
+        return Enclosure.of(self.coefficients, self._weights)
+
+    def without_coefficients(self) -> Self:
+        """Return the blocks as places only, which take little memory."""
+        return replace(self, coefficients=self.coefficients[:0])
+
+    def chunks(self) -> Iterator[Self]:
         """Yield the blocks in parts of bounded memory."""
-        step = max(1, CHUNK // int(np.prod(self.coefficients.shape[1:])))
+        step = max(1, CHUNK // (self.degree + 1) ** len(self.size))
         for start in range(0, len(self), step):
             yield self[start : start + step]
 
     def may_vanish(self) -> BoolArray:
         """Return the blocks on which f may have a zero, (B,)."""
-        flat = self._flat
-        return np.asarray((flat.min(axis=1) <= self.slack) & (flat.max(axis=1) >= -self.slack))
+        sizes = self._sizes
+        may = np.asarray(sizes[0] <= SUMMED * (self._weights.beyond[0] @ sizes) + self.slack)  # as |T_i| ≤ 1
+        if may.any():
+            some = self[may].reduced(FOR_VALUES)
+            may[may] = some.enclosed().may_vanish(some.slack)
+        return may
 
     def touch_walls(self) -> BoolArray:
         """Return the blocks that touch a wall of the box, (B,)."""
@@ -121,80 +149,68 @@ class Blocks:
 
     def vanish(self) -> BoolArray:
         """Return the blocks at whose corners f has both signs, (B,): it has zeros there."""
-        ends = slice(None, None, self.coefficients.shape[1] - 1)  # the first and the last along each axis
-        corners = self.coefficients[(slice(None), *(ends,) * len(self.size))].reshape(len(self), 2 ** len(self.size))
-        return np.asarray((corners.min(axis=1) < -self.slack) & (corners.max(axis=1) > self.slack))
+        return self.enclosed().vanish(self.slack)
 
-    def halved(self) -> "Blocks":
-        """Return the 2^d parts of each block that still may have a zero, halved along one axis after the other."""
-        blocks = self
-        for axis in range(len(self.size)):
-            blocks = blocks._halved(axis)
-            blocks = blocks[blocks.may_vanish()]
-        return replace(blocks, halvings=self.halvings + 1)
-
-    def _halved(self, axis: int) -> "Blocks":
-        """Return the halves of the blocks along an axis: all lower ones, then all upper ones."""
-        n, flat = self.coefficients.shape[1] - 1, self._flat
-        rows = self.coefficients.reshape(len(self) * (n + 1) ** axis, n + 1, (n + 1) ** (len(self.size) - axis - 1))
-        halves = np.empty((2, *self.coefficients.shape))
-        for half, weights in zip(halves, halving(n), strict=True):
-            np.matmul(weights, rows, out=half.reshape(rows.shape))
-        along = np.arange(len(self.size)) == axis
-        place = np.where(along, 2.0 * self.place, self.place)
-        added = (n + 2) * EPSILON * np.maximum(-flat.min(axis=1), flat.max(axis=1))
-        return replace(
-            self,
-            coefficients=halves.reshape(-1, *self.coefficients.shape[1:]),
-            place=np.concatenate([place, place + along]),
-            slack=np.tile(self.slack + added, 2),
-            size=np.where(along, self.size / 2.0, self.size),
-        )
+    def is_stale(self) -> BoolArray:
+        """Return the blocks whose slack is large beside the range of f, (B,)."""
+        return np.asarray(self.slack > STALE * (self._weights.beyond[0] @ self._sizes))
 
     def slopes(self) -> tuple[FloatArray, FloatArray]:
-        """Return lower and upper bounds of ∂f/∂x_k on each block, (B, d) each.
+        """Return lower and upper bounds of ∂f/∂x_k on each block, (B, d) each."""
+        some = self.reduced(FOR_SLOPES)
+        bounds = some.enclosed()
+        low, high = (np.stack(side, axis=1) for side in zip(*map(bounds.slopes, range(len(self.size))), strict=True))
+        return low / self.size - some.slope_slack, high / self.size + some.slope_slack
 
-        The derivative along an axis has the Bernstein coefficients n (b_{j+1} − b_j) / size. Each b is off by the
-        slack, and their difference is rounded.
+    def reduced(self, share: float) -> Self:
+        """Return the blocks without coefficients of high degree that on none amount to more than a share of f's range.
+
+        |T_i| ≤ 1 and |T_i'| ≤ i²; sums of absolute values are rounded.
         """
-        n, low, high = self.coefficients.shape[1] - 1, np.empty(self.place.shape), np.empty(self.place.shape)
-        for axis, size in enumerate(self.size):
-            steps = np.diff(self.coefficients, axis=axis + 1)
-            steps = steps.reshape(len(self), int(np.prod(steps.shape[1:])))
-            low[:, axis] = n / size * (steps.min(axis=1) - 3.0 * self.slack)
-            high[:, axis] = n / size * (steps.max(axis=1) + 3.0 * self.slack)
-        return low, high
+        weights, sizes = self._weights, self._sizes
+        left_out = weights.beyond @ sizes
+        few = (left_out[1:] <= share * left_out[0]).all(axis=1)
+        return self.up_to(1 + int(few.argmax())) if few.any() else self
 
+    def up_to(self, degree: int) -> Self:
+        """Return the blocks without the coefficients of a higher degree, which go into the slack."""
+        if degree >= self.degree:
+            return self
+        weights = self._weights
+        out = weights.beyond[degree]
+        return replace(
+            self,
+            coefficients=np.ascontiguousarray(self.coefficients[(slice(degree + 1),) * len(self.size)]),
+            slack=self.slack + SUMMED * (out @ self._sizes),
+            slope_slack=self.slope_slack + SUMMED * ((out * weights.squares) @ self._sizes).T * (2.0 / self.size),
+        )
 
-def _first_slack(polynomial: ImplicitPolynomial, tables: list[FloatArray], ends: list[FloatArray]) -> FloatArray:
-    """Return the slack of the first blocks, (parts, …), from the Bernstein coefficients of the functions there."""
-    n, d, size = polynomial.degree, polynomial.dimension, np.abs(polynomial.tensor)
-    largest = [np.abs(table).max(axis=1) for table in tables]
-    out = (d * (n + 2) + roundings(polynomial)) * EPSILON * evaluation.along_axes(size, largest)
-    for axis, pair in enumerate(ends):
-        off = bernstein.matrix_roundings(polynomial.basis, n, pair)
-        out += evaluation.along_axes(size, [off if k == axis else table for k, table in enumerate(largest)])
-    return np.asarray(1.01 * out)  # with the products of two such errors
+    def halved(self) -> Self:
+        """Return the 2^d parts of each block, halved along one axis after the other.
 
+        Parts of halves on which f has no zero are left out.
+        """
+        blocks = self
+        for axis in range(len(self.size)):
+            blocks = blocks if axis == 0 else blocks[blocks.may_vanish()]
+            blocks = blocks.halved_along(axis)
+        return replace(blocks, halvings=self.halvings + 1)
 
-def roundings(polynomial: ImplicitPolynomial) -> int:
-    """Return m + 3n + 4: how many roundings, each of ε/2 of Σ |a_ijk X_i Y_j Z_k| at most, a computed value has."""
-    return graded.count(polynomial.dimension, polynomial.degree) + 3 * polynomial.degree + 4
+    def halved_along(self, axis: int) -> Self:
+        """Return the halves of the blocks along an axis: all lower ones, then all upper ones.
 
-
-def rounding(polynomial: ImplicitPolynomial, x: FloatArray) -> FloatArray:
-    """Return by how much values of f at places x (K, d), as they are computed in doubles, may be off, (K,)."""
-    tables = [np.abs(table.T) for table in polynomial.tables([np.ascontiguousarray(column) for column in x.T])]
-    total = evaluation.scattered(np.abs(polynomial.tensor)[None], tables)[0]
-    return np.asarray(roundings(polynomial) * EPSILON * total)
-
-
-@lru_cache(maxsize=64)
-def halving(degree: int) -> tuple[FloatArray, FloatArray]:
-    """Return the matrices (n+1, n+1) that map Bernstein coefficients to those on the lower and on the upper half.
-
-    >>> [half.tolist() for half in halving(1)]
-    [[[1.0, 0.0], [0.5, 0.5]], [[0.5, 0.5], [0.0, 1.0]]]
-    """
-    lower = np.array([[comb(i, j) / 2**i for j in range(degree + 1)] for i in range(degree + 1)])
-    return lower, np.ascontiguousarray(lower[::-1, ::-1])
+        With T_k = Σ X_ik T_i on a half, Σ X_ik² ≤ 2, so Σ |X_ik| ≤ √(2n + 2); that bounds the rounding of the sums.
+        """
+        n, along = self.degree, np.arange(len(self.size)) == axis
+        halves = [along_axis(half, self.coefficients, axis) for half in halving(n)]
+        place = np.where(along, 2.0 * self.place, self.place)
+        size = np.where(along, self.size / 2.0, self.size)
+        added = np.sqrt(2.0 * n + 2.0) * (n + 3) * EPSILON * self._sizes.sum(axis=0)
+        return replace(
+            self,
+            coefficients=np.concatenate(halves, axis=-1),
+            place=np.concatenate([place, place + along]),
+            slack=np.tile(self.slack + added, 2),
+            slope_slack=np.tile(self.slope_slack + n**2 * added[:, None] * (2.0 / size), (2, 1)),
+            size=size,
+        )

@@ -5,6 +5,7 @@ position, and cells can be halved a few times.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import Self
 
@@ -19,14 +20,14 @@ SIDES = 64  # more than there are different sides
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """M cells, or faces of cells.
+    """M cells.
 
     Attributes
     ----------
     low
         (M, d), the lower corner of each.
     side
-        (M,), its length along each axis; a face has none along the axis that it is normal to.
+        (M,), its length along each axis.
     width
         The length of the whole box, along every axis.
     origin, unit
@@ -82,7 +83,7 @@ class Cells:
         """Return the numbers of the corners of all cells, each once, sorted."""
         d = self.low.shape[1]
         steps = np.array(list(product((0, 1), repeat=d)))
-        return np.unique(self.keys((self.low[:, None] + self.side[:, None, None] * steps).reshape(-1, d)))
+        return _distinct(self.keys((self.low[:, None] + self.side[:, None, None] * steps).reshape(-1, d)))
 
     def positions(self, keys: IntArray) -> FloatArray:
         """Return the places (K, d), as f takes them, of positions with these numbers (K,)."""
@@ -92,14 +93,27 @@ class Cells:
 
     def find(self, low: IntArray, side: IntArray) -> IntArray:
         """Return the number (K,) of the cell with this lower corner (K, d) and this side (K,); −1 if there is none."""
-        mine, theirs = self._marked(self.low, self.side), self._marked(low, side)
-        order = np.argsort(mine)
-        at = order[np.minimum(np.searchsorted(mine, theirs, sorter=order), len(order) - 1)]
-        return np.where(mine[at] == theirs, at, -1)
+        marks, order = self._sorted
+        theirs = self.marked(low, side)
+        at = np.minimum(np.searchsorted(marks, theirs), len(order) - 1)
+        return np.where(marks[at] == theirs, order[at], -1)
 
-    def _marked(self, low: IntArray, side: IntArray) -> IntArray:
+    def marked(self, low: IntArray, side: IntArray) -> IntArray:
         """Return a number for each lower corner and side: of the numbers that stand for a side, a cell has one."""
         return self.keys(low) * SIDES + np.log2(np.maximum(side, 1)).astype(np.int64)
+
+    @cached_property
+    def _sorted(self) -> tuple[IntArray, IntArray]:
+        """The numbers of all cells, sorted, and which cells they are."""
+        marks = self.marked(self.low, self.side)
+        order = np.argsort(marks)
+        return marks[order], order
+
+
+def _distinct(numbers: IntArray) -> IntArray:
+    """Return numbers (K,) sorted and each once: `np.unique` hashes them, which takes ten times as long."""
+    numbers = np.sort(numbers)
+    return np.asarray(numbers[np.concatenate([[True], numbers[1:] != numbers[:-1]])])
 
 
 def _split(low: IntArray, side: IntArray, some: BoolArray) -> tuple[IntArray, IntArray]:
@@ -141,12 +155,12 @@ class Faces:
             return cls(cells.low, cells.side, np.full(count, 2), every, every)
         found = [_on_one_side(cells, axis, upper) for axis in range(d) for upper in (0, 1)]
         low, side, normal, own, other = (np.concatenate(column) for column in zip(*found, strict=True))
-        places = np.column_stack([low, side, normal])
-        distinct, number = np.unique(places, axis=0, return_inverse=True)
-        number = number.reshape(-1)
-        pairs = np.concatenate([np.column_stack([number, own]), np.column_stack([number, other])[other >= 0]])
-        face, cell = np.unique(pairs, axis=0).T
-        return cls(distinct[:, :d], distinct[:, d], distinct[:, d + 1], face, cell)
+        marks = cells.marked(low, side) * d + normal
+        _, one, number = np.unique(marks, return_index=True, return_inverse=True)
+        behind = other >= 0
+        pairs = np.concatenate([number * count + own, number[behind] * count + other[behind]])
+        face, cell = np.divmod(_distinct(pairs), count)
+        return cls(low[one], side[one], normal[one], face, cell)
 
 
 def _on_one_side(cells: Cells, axis: int, upper: int) -> tuple[IntArray, ...]:

@@ -16,7 +16,8 @@ from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.proof.blocks import Blocks
 from ipcore.proof.regularity import is_regular
-from ipcore.proof.subdivision import Subdivision, subdivided
+from ipcore.proof.restriction import first_blocks
+from ipcore.proof.subdivision import Question, Subdivision
 from ipcore.proof.topology import topology
 from ipcore.proof.tube import Tube
 
@@ -24,7 +25,7 @@ from ipcore.proof.tube import Tube
 PARTS = 8
 CLEARING, SIMPLIFYING = 10, 10
 WALL_HALVINGS = 4  # of blocks at the walls: large ones touch the walls though the zero set does not
-MOST_BLOCKS = 60_000  # that are looked at: ten times as many as the good fits of bench/QUALITY.md need
+MOST_BLOCKS = 60_000  # that are looked at: good fits need up to 25,000
 MOST_UNCLEARED = 16
 
 
@@ -95,7 +96,7 @@ def prove(polynomial: ImplicitPolynomial, points: FloatArray) -> Proof:
     cleared = clear(polynomial, tube)
     if not cleared.complete:
         return _unproved(cleared, tube, began)
-    simple = subdivided(cleared.settled, _is_simple, None, SIMPLIFYING, MOST_BLOCKS)
+    simple = SIMPLE.ask(polynomial, cleared.settled)
     found = topology(polynomial, simple.settled) if simple.complete else None
     return Proof(
         max([tube.reach(blocks) for blocks in simple.settled + simple.left], default=0.0),
@@ -105,7 +106,7 @@ def prove(polynomial: ImplicitPolynomial, points: FloatArray) -> Proof:
         euler=None if found is None else found.euler,
         boxes=cleared.looked_at + simple.looked_at,
         seconds=time.perf_counter() - began,
-        uncleared=places(simple.left),
+        uncleared=_places(simple.left),
     )
 
 
@@ -116,7 +117,8 @@ def clear(polynomial: ImplicitPolynomial, tube: Tube) -> Subdivision:
         """Return the blocks in which there is a zero away from the data."""
         return blocks.vanish() & tube.misses(blocks)
 
-    return subdivided([Blocks.of(polynomial, PARTS)], tube.holds, is_hopeless, CLEARING, MOST_BLOCKS)
+    near = Question(tube.holds, is_hopeless, CLEARING, MOST_BLOCKS)
+    return near.ask(polynomial, [first_blocks(polynomial, PARTS)])
 
 
 def _is_simple(blocks: Blocks) -> BoolArray:
@@ -125,7 +127,15 @@ def _is_simple(blocks: Blocks) -> BoolArray:
     return simple if blocks.halvings >= WALL_HALVINGS else simple & ~blocks.touch_walls()
 
 
-def places(left: list[Blocks]) -> tuple[Place, ...]:
+def _never(blocks: Blocks) -> BoolArray:
+    """Return that smaller blocks may settle it, (B,)."""
+    return np.zeros(len(blocks), dtype=np.bool_)
+
+
+SIMPLE = Question(_is_simple, _never, SIMPLIFYING, MOST_BLOCKS)
+
+
+def _places(left: list[Blocks]) -> tuple[Place, ...]:
     """Return balls that cover blocks, those in first blocks that touch each other together; of many the largest."""
     if not left:
         return ()
@@ -148,5 +158,5 @@ def _unproved(cleared: Subdivision, tube: Tube, began: float) -> Proof:
     seconds = time.perf_counter() - began
     return Proof(
         tube.radius, holds=False, regular=False, components=None, euler=None, boxes=cleared.looked_at, seconds=seconds,
-        uncleared=places(cleared.left),
+        uncleared=_places(cleared.left),
     )  # fmt: skip

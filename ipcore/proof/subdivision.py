@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from ipcore._typing import BoolArray
-from ipcore.proof.blocks import Blocks
+from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.proof.blocks import LEFT_OUT, Blocks
+from ipcore.proof.restriction import restricted
 
 # With a hopeless block the whole is not settled: how often the others are halved then, to say where else it is not.
 FEW_HALVINGS = 4
@@ -22,7 +22,8 @@ class Subdivision:
     settled
         Blocks that may have zeros, and on which the question is settled.
     left
-        Blocks that may have zeros, and on which it is not: they were hopeless, as small as wanted, or too many.
+        Blocks that may have zeros, and on which it is not: they were hopeless, as small as wanted, or too many. Without
+        coefficients.
     looked_at
         The number of all blocks that were looked at.
 
@@ -38,43 +39,58 @@ class Subdivision:
         return not self.left
 
 
-def subdivided(
-    first: Iterable[Blocks], is_settled: Judgement, is_hopeless: Judgement | None, halvings: int, most: int
-) -> Subdivision:
-    """Halve blocks until f has no zero on them, or they are settled, or hopeless.
+@dataclass(frozen=True)
+class Question:
+    """What is to be settled on blocks, and with how much effort.
 
-    Parameters
+    Attributes
     ----------
-    first
-        The blocks to begin with.
     is_settled, is_hopeless
-        Return for which of given blocks (B,) the question is settled, and for which smaller ones would not settle it.
+        Return for which of given blocks (B,) it is settled, and for which no smaller ones would settle it.
     halvings
         Blocks that have been halved so often are left.
     most
         When so many blocks have been looked at, the others are left.
 
     """
-    settled, left, looked_at = list[Blocks](), list[Blocks](), 0
-    waiting = [chunk for blocks in first for chunk in blocks.chunks()]
-    while waiting:
-        blocks = waiting.pop()
-        looked_at += len(blocks)
-        blocks = blocks[blocks.may_vanish()]
-        done = is_settled(blocks) if len(blocks) else np.zeros(0, dtype=np.bool_)
-        settled.append(blocks[done])
-        blocks = blocks[~done]
-        if is_hopeless is not None and len(blocks):
-            hopeless = is_hopeless(blocks)
-            left.append(blocks[hopeless])
-            blocks = blocks[~hopeless]
-            if hopeless.any():
-                halvings = min(halvings, FEW_HALVINGS)
-        if blocks.halvings >= halvings or looked_at > most:
-            left.append(blocks)
-        elif len(blocks):
-            waiting += blocks.halved().chunks()
-    return Subdivision(_some(settled), _some(left), looked_at)
+
+    is_settled: Judgement
+    is_hopeless: Judgement
+    halvings: int
+    most: int
+
+    def ask(self, polynomial: ImplicitPolynomial, first: Iterable[Blocks]) -> Subdivision:
+        """Halve blocks, from the first ones on, until f has no zero on them, or they are settled, or left."""
+        settled, left, looked_at, halvings = list[Blocks](), list[Blocks](), 0, self.halvings
+        for some in first:
+            blocks = some
+            while len(blocks):
+                looked_at += len(blocks)
+                done, hopeless, rest = self._judged(blocks[blocks.may_vanish()])
+                settled.append(done)
+                left.append(hopeless.without_coefficients())
+                if len(hopeless):
+                    halvings = min(halvings, FEW_HALVINGS)
+                if not len(rest) or rest.halvings >= halvings or looked_at > self.most:
+                    left.append(rest.without_coefficients())
+                    break
+                blocks = halved(polynomial, rest)
+        return Subdivision(_some(settled), _some(left), looked_at)
+
+    def _judged(self, blocks: Blocks) -> tuple[Blocks, Blocks, Blocks]:
+        """Return the blocks on which the question is settled, those that are hopeless, and the others."""
+        done = self.is_settled(blocks)
+        rest = blocks[~done]
+        hopeless = self.is_hopeless(rest)
+        return blocks[done], rest[hopeless], rest[~hopeless]
+
+
+def halved(polynomial: ImplicitPolynomial, blocks: Blocks) -> Blocks:
+    """Return the parts of blocks that may have a zero, their coefficients computed afresh where the slack is large."""
+    blocks = blocks.reduced(LEFT_OUT)
+    parts = Blocks.together([chunk.halved() for chunk in blocks.chunks()])
+    stale = parts.is_stale()
+    return Blocks.together([parts[~stale], restricted(polynomial, parts[stale]).up_to(parts.degree)])
 
 
 def _some(blocks: list[Blocks]) -> list[Blocks]:

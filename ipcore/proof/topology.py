@@ -15,8 +15,9 @@ from scipy.sparse.csgraph import connected_components
 
 from ipcore._typing import BoolArray, IntArray
 from ipcore.polynomial.implicit import ImplicitPolynomial
-from ipcore.proof.blocks import Blocks, rounding
+from ipcore.proof.blocks import Blocks
 from ipcore.proof.octree import SPARE_HALVINGS, Cells, Faces
+from ipcore.proof.rounding import lost_in_rounding
 
 # The corners of a square and the middles of its edges, in order, in halves of its side.
 AROUND = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)])
@@ -40,21 +41,40 @@ def topology(polynomial: ImplicitPolynomial, leaves: list[Blocks]) -> Topology |
         return Topology(0, 0)
     if any(blocks.touch_walls().any() for blocks in leaves):
         return None
-    cells = Cells.of(leaves)
+    cells, signs = Cells.of(leaves), Signs(polynomial)
     for _ in range(SPARE_HALVINGS + 1):
         cells = cells.balanced()
         corners, faces = cells.corners(), Faces.of(cells)
-        places = cells.positions(corners)
-        values = polynomial(places)
-        if (np.abs(values) <= rounding(polynomial, places)).any():
+        if not signs.find(cells, corners):
             return None
         around = _around(faces, cells, corners)
-        changes = _changes(around, values < 0.0)
+        changes = _changes(around, signs.negative)
         ambiguous = changes.sum(axis=1) > 2
         if not ambiguous.any():
             return _counted(faces, *_segments(around, changes, len(corners)))
         cells = cells.split(np.bincount(faces.cell, ambiguous[faces.face], len(cells.low)) > 0.0)
     return None
+
+
+class Signs:
+    """The signs of f at corners of cells, each computed once while the cells get smaller."""
+
+    def __init__(self, polynomial: ImplicitPolynomial) -> None:
+        """Begin with no corner."""
+        self._polynomial = polynomial
+        self._corners = np.zeros(0, dtype=np.int64)
+        self.negative = np.zeros(0, dtype=np.bool_)
+
+    def find(self, cells: Cells, corners: IntArray) -> bool:
+        """Let `negative` (K,) be where f < 0 of these corners (K,); return whether all the signs are certain."""
+        new = ~np.isin(corners, self._corners)
+        places = cells.positions(corners[new])
+        values = self._polynomial(places)
+        negative = np.empty(len(corners), dtype=np.bool_)
+        negative[new] = values < 0.0
+        negative[~new] = self.negative[np.isin(self._corners, corners)]  # both are sorted
+        self._corners, self.negative = corners, negative
+        return not lost_in_rounding(self._polynomial, places, values).any()
 
 
 def _around(faces: Faces, cells: Cells, corners: IntArray) -> IntArray:

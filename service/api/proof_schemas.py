@@ -21,8 +21,9 @@ class Proof(BaseModel):
         description="If it holds, every zero has a point of yours within this distance, caller's unit."
     )
     holds: bool = Field(
-        description="Whether it is proved that no zero lies away from the points: all are within the support radius of "
-        "a point or, where the points are sparse, within 2.5 times the spacing there."
+        description="Whether it is proved that no zero lies away from the points: all are near a point, within the "
+        "support radius, or the gap radius of the points if that is more (as far as gaps in a random sample reach), "
+        "or, where points are sparse, 2.5 times the spacing there."
     )
     regular: bool = Field(description="Whether it is proved that the zero set is smooth: ∇f does not vanish on it.")
     components: Count | None = Field(description="The number of its components; null if not proved.")

@@ -10,6 +10,7 @@ from typer.core import TyperGroup
 # health check above all, which containers call again and again.
 MODULES = {
     "fit": "service.cli.fit",
+    "verify": "service.cli.verify",
     "serve": "service.cli.serve",
     "worker": "service.cli.worker",
     "key": "service.cli.key",

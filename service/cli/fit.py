@@ -12,14 +12,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 import ipcore
 from service.cli.options import with_fit_options
+from service.cli.point_files import MAX_POINTS, ColumnsOption, MissingOption
 from service.formats.picture import page
 from service.formats.points import by_ending, decode
 from service.formats.zero_set.writers import WRITERS
 from service.jobs.errors import InvalidInputError
 from service.jobs.fit import ReceivedPoints
-from service.jobs.media_types import Missing, zero_set_formats
-
-MAX_POINTS = 10_000_000
+from service.jobs.media_types import zero_set_formats
 
 
 def _endings(dimension: int) -> str:
@@ -41,12 +40,8 @@ def fit(  # noqa: PLR0913, PLR0917 - one option each
         int | None,
         typer.Option(help="Grid points along the longest axis, for --mesh; by default chosen by the thickness."),
     ] = None,
-    columns: Annotated[
-        str | None, typer.Option(help="What the columns of a table hold, in order: x,y,z,nx,ny,nz; _ ignores one.")
-    ] = None,
-    missing: Annotated[
-        Missing, typer.Option(help="Whether a point with a missing value is refused or left out.")
-    ] = "refuse",
+    columns: ColumnsOption = None,
+    missing: MissingOption = "refuse",
     *,
     options: ipcore.FitOptions,
 ) -> None:

@@ -11,9 +11,9 @@ def worker() -> None:
     """Run the fits that servers put in the database at IPFIT_DATABASE_URL; on SIGTERM, end what runs and leave."""
     fork_server.start()
     # loaded while the fork server loads what workers need
-    from service.bootstrap.worker import work  # noqa: PLC0415
-    from service.cli.chosen import chosen_settings  # noqa: PLC0415
-    from service.telemetry.logs import configure  # noqa: PLC0415
+    from service.bootstrap.worker import work  # noqa: PLC0415 - see above
+    from service.cli.chosen import chosen_settings  # noqa: PLC0415 - see above
+    from service.telemetry.logs import configure  # noqa: PLC0415 - see above
 
     settings = chosen_settings()
     if settings.database_url is None:

@@ -11,6 +11,7 @@ import httpx
 import jsonschema_rs
 import pytest
 
+from ipcore.proof.prover import MOST_UNCLEARED
 from service.bootstrap.application import application
 from service.jobs.bounds import MOST_COEFFICIENTS
 from service.settings import Settings
@@ -86,6 +87,10 @@ def test_errors_are_described_as_problems() -> None:
 def test_no_fit_has_more_coefficients_than_the_document_allows() -> None:
     options = DOCUMENT["components"]["schemas"]["FitOptions"]["properties"]["max_degree"]["anyOf"][0]
     assert max(comb(options["maximum"] + 2, 2), comb(20 + 3, 3)) == MOST_COEFFICIENTS
+
+
+def test_no_proof_tells_more_places_than_the_document_allows() -> None:
+    assert DOCUMENT["components"]["schemas"]["Proof"]["properties"]["uncleared"]["maxItems"] == MOST_UNCLEARED
 
 
 def test_a_client_that_sends_defaults_sends_no_options() -> None:
