@@ -18,6 +18,10 @@ WARM_PATH = (0.7, 0.95, 1.0)
 COLD_DEGREES = 2  # the highest degree with a cold start
 INTERMEDIATE = Effort(8, 1e-2, 1)  # at each t but the last
 FINAL = Effort(40, 1e-3, 2)  # at the last t
+# At the last t, and after it, the data's part of the Gauss–Newton matrix is kept for so many steps. In space this takes
+# a third less time, at the same degrees or lower ones; four and five steps need higher ones, and in the plane, where a
+# matrix costs little, so do two.
+KEPT_STEPS = {2: 1, 3: 3}
 
 
 def follow(descent: Descent, lower: FloatArray, *, geometric: bool) -> Refined:
@@ -43,6 +47,7 @@ def follow(descent: Descent, lower: FloatArray, *, geometric: bool) -> Refined:
         objective.blend = t
         a = descent.refine(a, INTERMEDIATE).coefficients
     objective.blend = last
+    objective.keep_data_matrix(KEPT_STEPS[objective.data.dimension])
     return descent.refine(a, FINAL)
 
 

@@ -1,8 +1,9 @@
 """The geometric fit under sign constraints, at one degree after another.
 
 A degree starts from the fit of the degree below and follows the homotopy to the geometric objective (`continuation`).
-The weight of the angles is then balanced (`balance`), and a fit that meets the stopping rule is checked on fine grids;
-where its sign is wrong, sign constraints are added and the fit is refined again (`exchange`).
+The weight of the angles is then balanced (`balance`), and a fit that meets the stopping rule is checked on a fine
+grid and by a proof; where its sign is or may be wrong, sign constraints are added and the fit is refined again
+(`exchange`).
 
 The constants of these modules were chosen on the 14 outlines and 9 closed surfaces of bench/QUALITY.md, mostly by a few
 runs of the horse, the bird, the hammer, the bunny and the cow; no claim is made that they are optimal. On copies of all
@@ -51,7 +52,7 @@ class GeometricFit:
         trusted = self._weights > 0.0
         self._sides = InsideOutside(data.points[trusted], data.normals[trusted], data.bounds)
         self._nodes: dict[int, SignNodes] = {}
-        self._exchange = Exchange(self._sides, data.bounds)
+        self._exchange = Exchange(self._sides, data.bounds, data.thinned.points)
         self._order = np.random.default_rng(0).permutation(count)  # seeded: the same points get the same fit
         self._coefficients, self._degree = np.zeros(0), 0  # of the last fit
 
@@ -125,6 +126,7 @@ class GeometricFit:
         slope = float(np.sqrt(np.mean(np.square(fit.evaluation.size))))
         a = fit.coefficients / (slope if slope > STEEP else 1.0)
         polynomial = self._data.polynomial(objective.degree, a, Basis.CHEBYSHEV)
+        objective.keep_data_matrix(1)
         H = objective.normal_equations(objective.evaluate(fit.coefficients))[0]
         conditioned, ratio = condition(H)
         distance = polynomial.distance(self._data.points)

@@ -114,6 +114,9 @@ class Objective:
         d = data.dimension
         self.columns = graded.count(d, degree)
         self._pairs = np.triu_indices(d)
+        self._kept = np.zeros((self.columns, self.columns))  # the data's part of the matrix …
+        self._kept_of = (data, angle_weight, blend)  # … of these, …
+        self._keep, self._age = 1, 1  # … for so many steps, of which so many are over
         self._place = gram.position(graded.exponents(d, degree), degree)
         D = [gram.differentiation(d, degree, k) / half for k, half in enumerate(data.half)]
         self._Dt = [M.toarray().T.copy() if self.columns <= DENSE_COLUMNS else M.T.tocsr() for M in D]
@@ -147,13 +150,29 @@ class Objective:
     def normal_equations(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
         """Return the Gauss–Newton matrix H (m, m) and r (m,), half the negative gradient of φ."""
         u = self._gradient_factor(evaluation)
-        mu = gram.moments(self.data.tables(2 * self.degree), self._matrix_weights(evaluation, u))
         first = gram.moments(self.data.tables(self.degree), self._slope_weights(evaluation, u))[self._place]
         r = -first[:, 0] - sum(D @ b for D, b in zip(self._Dt, first.T[1:], strict=True))
+        active = np.zeros((graded.count(self.data.dimension, 2 * self.degree), 1))
         for places, v in zip(self.signs, evaluation.shortfalls, strict=True):
-            mu[:, :1] += places.active(v, self.degree)
+            active += places.active(v, self.degree)
             r += places.half_descent(v, self.degree)
-        return self._assembled(gram.gram(mu, self.data.dimension, self.degree)), np.asarray(r)
+        return self._matrix(evaluation, u, active), np.asarray(r)
+
+    def keep_data_matrix(self, steps: int) -> None:
+        """Let the data's part of the Gauss–Newton matrix be computed in every so many steps only, from the next one on.
+
+        Steps with an old matrix still descend, for the gradient and the sign constraints' part are those of the place.
+        """
+        self._keep, self._age = steps, steps
+
+    def _matrix(self, evaluation: Evaluation, u: FloatArray, active: FloatArray) -> FloatArray:
+        """Return the Gauss–Newton matrix, given the moments of the active sign constraints."""
+        d, of = self.data.dimension, (self.data, self.angle_weight, self.blend)
+        if self._age >= self._keep or of != self._kept_of:
+            mu = gram.moments(self.data.tables(2 * self.degree), self._matrix_weights(evaluation, u))
+            self._kept, self._kept_of, self._age = self._assembled(gram.gram(mu, d, self.degree)), of, 0
+        self._age += 1
+        return np.asarray(self._kept + gram.gram(active, d, self.degree)[0])
 
     def closeness(self, evaluation: Evaluation) -> tuple[float, float]:
         """Return D_dist and D_smooth (see `search.criteria`), as means with the points' weights."""

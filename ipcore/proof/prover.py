@@ -106,7 +106,7 @@ def prove(polynomial: ImplicitPolynomial, points: FloatArray) -> Proof:
         euler=None if found is None else found.euler,
         boxes=cleared.looked_at + simple.looked_at,
         seconds=time.perf_counter() - began,
-        uncleared=_places(simple.left),
+        uncleared=places(simple.left),
     )
 
 
@@ -135,7 +135,7 @@ def _never(blocks: Blocks) -> BoolArray:
 SIMPLE = Question(_is_simple, _never, SIMPLIFYING, MOST_BLOCKS)
 
 
-def _places(left: list[Blocks]) -> tuple[Place, ...]:
+def places(left: list[Blocks]) -> tuple[Place, ...]:
     """Return balls that cover blocks, those in first blocks that touch each other together; of many the largest."""
     if not left:
         return ()
@@ -158,5 +158,5 @@ def _unproved(cleared: Subdivision, tube: Tube, began: float) -> Proof:
     seconds = time.perf_counter() - began
     return Proof(
         tube.radius, holds=False, regular=False, components=None, euler=None, boxes=cleared.looked_at, seconds=seconds,
-        uncleared=_places(cleared.left),
+        uncleared=places(cleared.left),
     )  # fmt: skip

@@ -26,12 +26,15 @@ class Subdivision:
         coefficients.
     looked_at
         The number of all blocks that were looked at.
+    hopeless
+        Whether one of those that are left is: smaller blocks would not settle it.
 
     """
 
     settled: list[Blocks]
     left: list[Blocks]
     looked_at: int
+    hopeless: bool
 
     @property
     def complete(self) -> bool:
@@ -61,7 +64,7 @@ class Question:
 
     def ask(self, polynomial: ImplicitPolynomial, first: Iterable[Blocks]) -> Subdivision:
         """Halve blocks, from the first ones on, until f has no zero on them, or they are settled, or left."""
-        settled, left, looked_at, halvings = list[Blocks](), list[Blocks](), 0, self.halvings
+        settled, left, looked_at, none_hopeless = list[Blocks](), list[Blocks](), 0, True
         for some in first:
             blocks = some
             while len(blocks):
@@ -69,13 +72,13 @@ class Question:
                 done, hopeless, rest = self._judged(blocks[blocks.may_vanish()])
                 settled.append(done)
                 left.append(hopeless.without_coefficients())
-                if len(hopeless):
-                    halvings = min(halvings, FEW_HALVINGS)
+                none_hopeless &= not len(hopeless)
+                halvings = self.halvings if none_hopeless else min(self.halvings, FEW_HALVINGS)
                 if not len(rest) or rest.halvings >= halvings or looked_at > self.most:
                     left.append(rest.without_coefficients())
                     break
                 blocks = halved(polynomial, rest)
-        return Subdivision(_some(settled), _some(left), looked_at)
+        return Subdivision(_some(settled), _some(left), looked_at, not none_hopeless)
 
     def _judged(self, blocks: Blocks) -> tuple[Blocks, Blocks, Blocks]:
         """Return the blocks on which the question is settled, those that are hopeless, and the others."""

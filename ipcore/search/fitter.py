@@ -29,7 +29,8 @@ class PrefixFit:
     iterations
         Iterations of a nonlinear fit; 0 if it is linear.
     quiet
-        Whether a check on fine grids found the zero set near the data only, and whole; None if it was not checked.
+        Whether the checks of `geometric.exchange` found the zero set near the data only, and whole; None if it was not
+        checked.
     unsure
         Share of the box, without what is near the data, where the data do not tell inside from outside; None without
         sign constraints.

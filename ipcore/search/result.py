@@ -46,7 +46,7 @@ class Step:
         Iterations of the geometric fit or of that under sign constraints; 0 if the fit is linear. If it is not, `rss`
         is the sum of squared first-order distances, and `condition` and `diagonal_ratio` are those of the Jacobian.
     quiet
-        Whether the zero set was found near the data only, and whole, on two fine grids; None if that was not checked,
+        Whether the zero set was found near the data only, and whole, on a fine grid; None if that was not checked,
         because the fit is linear or still far from the criterion.
     coverage
         Share of the data that have a zero of f within 3 t1; None if that was not checked, because D_dist is not below
@@ -104,7 +104,7 @@ class Diagnostics:
     orthogonality_loss
         ‖QᵀQ − I‖₂ of the paper's eq. (5), which loses orthogonality; None for factorisations that keep it.
     quiet
-        Whether the zero set is proved to lie near the data only, and was found whole on two fine grids; None without
+        Whether the zero set is proved to lie near the data only, and was found whole on a fine grid; None without
         sign constraints, or if the zero set was not to be measured. Where neighbouring points are farther apart than
         the support radius, a zero set that crosses the gap is quiet.
     unsure

@@ -59,6 +59,45 @@ def test_the_gauss_newton_matrix_from_moments_is_that_of_the_jacobian(d: int) ->
 
 
 @pytest.mark.parametrize("d", [2, 3])
+def test_the_datas_part_of_the_matrix_is_kept_for_some_steps(d: int) -> None:
+    phi, _, _ = objective(d, 3, 1.0)
+    fresh, _, _ = objective(d, 3, 1.0)
+    phi.keep_data_matrix(3)
+    generator = np.random.default_rng(1)
+    places = [generator.normal(size=phi.columns) for _ in range(4)]
+    signs = [*phi.signs]
+    fresh.signs = []
+    first = fresh.normal_equations(fresh.evaluate(places[0]))[0]
+    for number, a in enumerate(places):
+        H, r = phi.normal_equations(phi.evaluate(a))
+        fresh.signs = signs
+        exact, gradient = fresh.normal_equations(fresh.evaluate(a))
+        np.testing.assert_array_equal(r, gradient)
+        fresh.signs = []
+        data = fresh.normal_equations(fresh.evaluate(a))[0]
+        expected = exact - data + (first if number < 3 else data)
+        np.testing.assert_allclose(H, expected, atol=1e-12 * np.abs(H).max())
+
+
+@pytest.mark.parametrize("change", ["blend", "angle_weight", "data", "keep"])
+def test_what_is_kept_is_of_the_same_objective(change: str) -> None:
+    phi, points, normals = objective(3, 3, 1.0)
+    phi.keep_data_matrix(10)
+    a, b = np.random.default_rng(1).normal(size=(2, phi.columns))
+    phi.normal_equations(phi.evaluate(a))
+    if change == "data":
+        bounds = shapes.torus().polynomial.bounds
+        phi.data = DataTables(points[:200], normals[:200], np.ones(200), bounds)
+    elif change == "keep":
+        phi.keep_data_matrix(10)
+    else:
+        setattr(phi, change, 0.5)
+    H = phi.normal_equations(phi.evaluate(b))[0]
+    other = Objective(phi.data, 3, phi.signs, phi.angle_weight, phi.blend)
+    np.testing.assert_array_equal(H, other.normal_equations(other.evaluate(b))[0])
+
+
+@pytest.mark.parametrize("d", [2, 3])
 def test_scaling_f_changes_neither_closeness_nor_the_first_two_terms(d: int) -> None:
     phi, _, _ = objective(d, 3, 1.0)
     phi.signs = []
