@@ -5,7 +5,9 @@ the shapes of bench/held_back.py are, which need no folder, and their section an
 
 A fit is *good* when D_dist < 0.01, D_smooth > 0.95, stray < 0.001 and the zero set has one component, in the data's box
 grown by 0.3 mean radii, on a grid of 240 lines (2D) or 88 (3D) along the longest axis. *Stray* is what lies beyond the
-support radius of the points, also in the gaps of a sparse sample. The components are the pieces on that grid.
+support radius of the points, also in the gaps of a sparse sample. The components are the pieces on that grid. *Proof*
+says what is proved of the delivered coefficients: the number of components and the Euler characteristic; or only that
+all zeros are near the points; or nothing. Its time is that of the processor, too.
 """
 
 import os
@@ -29,6 +31,7 @@ import ipcore
 import sets
 from evidence import plot
 from evidence.table import table
+from ipcore.proof.prover import Proof, prove
 
 HERE = Path(__file__).parent
 MAX_POINTS = 8000  # larger sets are sampled
@@ -45,18 +48,20 @@ PICTURED = (
     *("bunny_npm", "spot", "duck_pybullet", "hand_od"),
 )
 
-HEADS = ("set", "fit", "degree", "D_dist", "D_smooth", "stray", "components", "seconds", "")
+HEADS = ("set", "fit", "degree", "D_dist", "D_smooth", "stray", "components", "seconds", "", "proof", "its seconds")
 HELD_BACK, CONCLUSIONS = "## Held back", HERE / "quality" / "conclusions.md"
 
 
 @dataclass(frozen=True, eq=False)
 class Scored:
-    """A fit, its processor time in seconds, and the stray share and number of components of its zero set."""
+    """A fit, its processor time in seconds, the stray share and number of components of its zero set, and a proof."""
 
     result: ipcore.FitResult
     seconds: float
     stray: float
     components: int
+    proof: Proof
+    proof_seconds: float
 
     @property
     def good(self) -> bool:
@@ -65,7 +70,7 @@ class Scored:
         return found.d_dist < 0.01 and found.d_smooth > 0.95 and self.stray < 0.001 and self.components == 1
 
     def cells(self) -> list[str]:
-        """Return degree, D_dist, D_smooth, stray, components, seconds, verdict."""
+        """Return degree, D_dist, D_smooth, stray, components, seconds, verdict, what is proved, and its seconds."""
         found, met = self.result.diagnostics, self.result.stop_reason is ipcore.StopReason.CRITERION_MET
         return [
             f"{self.result.degree}{'' if met else ' (cap)'}",
@@ -75,7 +80,16 @@ class Scored:
             str(self.components),
             f"{self.seconds:.2f}",
             "good" if self.good else "",
+            self.proved,
+            f"{self.proof_seconds:.2f}",
         ]
+
+    @property
+    def proved(self) -> str:
+        """Return what is proved, in a few words."""
+        if self.proof.components is not None:
+            return f"{self.proof.components}, Euler {self.proof.euler}"
+        return "near the points" if self.proof.holds else "–"
 
 
 def usable(given: sets.PointSet) -> sets.PointSet:
@@ -96,7 +110,9 @@ def fitted(given: sets.PointSet, way: str) -> Scored:
     lines = {2: 240, 3: 88}[given.dimension]
     whole = ipcore.zero_set(result.polynomial, resolution=lines, data=given.points, restrict=False, cap=False)
     components = len(np.unique(whole.vertex_components()[whole.cells]))
-    return Scored(result, seconds, stray_by_distance(whole, given.points), components)
+    started = process_time()
+    proof = prove(result.polynomial, given.points, result.polynomial.frame.scale)
+    return Scored(result, seconds, stray_by_distance(whole, given.points), components, proof, process_time() - started)
 
 
 def stray_by_distance(whole: ipcore.ZeroSet, points: ipcore.FloatArray) -> float:
@@ -146,6 +162,14 @@ def summary(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[str]:
         where = f"{good} of {len(for_closed)} closed shapes good"
         yield f"- {way}: {where}; median {times[0]:.2f} s (2D), {times[1]:.1f} s (3D)"
 
+    proofs = [one["default"].proof for one in for_closed]
+    yield (
+        f"- default: a proof that all zeros are near the points for {sum(proof.holds for proof in proofs)} of "
+        f"{len(proofs)} closed shapes, of the components and the Euler characteristic for "
+        f"{sum(proof.components is not None for proof in proofs)}"
+    )
+    yield from (f"- {name}: {places}" for name, places in unproved(given, scored))
+
     both = [one for one in for_closed if one["3L"].result.stop_reason is ipcore.StopReason.CRITERION_MET]
     if both:
         quotients = [one["default"].result.degree / one["3L"].result.degree for one in both]
@@ -153,6 +177,18 @@ def summary(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[str]:
             f"- degree over that of plain 3L, where that meets the rule ({len(both)} shapes): "
             f"median {median(quotients):.2f}, largest {max(quotients):.2f}"
         )
+
+
+def unproved(given: Sequence[sets.PointSet], scored: Scores) -> Iterator[tuple[str, str]]:
+    """Yield for each default fit without a whole proof what is missing, and where."""
+    for one in given:
+        proof = scored[one.name]["default"].proof
+        if proof.uncleared:
+            missing = "not shown to be smooth" if proof.holds else "zeros away from the points not excluded"
+            first = proof.uncleared[0]
+            centre = ", ".join(f"{x:.4g}" for x in first.centre)
+            more = f" and {len(proof.uncleared) - 1} more" if len(proof.uncleared) > 1 else ""
+            yield one.name, f"{missing}, at ({centre}) within {first.radius:.3g}{more}"
 
 
 def picture(name: str, shown: Sequence[sets.PointSet], scored: Scores) -> None:

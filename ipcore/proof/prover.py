@@ -83,8 +83,11 @@ class Proof:
         )  # fmt: skip
 
 
-def prove(polynomial: ImplicitPolynomial, points: FloatArray) -> Proof:
-    """Return what can be proved of the zero set of a polynomial of the normalised frame, fitted to points (N, d).
+def prove(polynomial: ImplicitPolynomial, points: FloatArray, scale: float = 1.0) -> Proof:
+    """Return what can be proved of the zero set of a polynomial that was fitted to points (N, d).
+
+    `scale` is their mean radius: 1 in the normalised frame, and `polynomial.frame.scale` in raw coordinates. Lengths of
+    the proof are in the unit of the points.
 
     >>> from ipcore import shapes
     >>> torus = shapes.torus()
@@ -92,7 +95,7 @@ def prove(polynomial: ImplicitPolynomial, points: FloatArray) -> Proof:
     >>> found.holds, found.regular, found.components, found.euler
     (True, True, 1, 0)
     """
-    began, tube = time.perf_counter(), Tube(points)
+    began, tube = time.perf_counter(), Tube(points, scale)
     cleared = clear(polynomial, tube)
     if not cleared.complete:
         return _unproved(cleared, tube, began)

@@ -131,3 +131,14 @@ def test_two_rings_and_their_pose(angle: float) -> None:
     data, _ = circle.sample(500)
     found = prove(times(circle.polynomial, ball(centre, 0.3)), np.vstack([data, centre + 0.3 * data]))
     assert (found.holds, found.regular, found.components) == (True, True, 2)
+
+
+def test_a_proof_in_raw_coordinates_is_that_of_the_frame() -> None:
+    shape = shapes.torus()
+    points, _ = shape.sample(1500)
+    frame = Frame(np.array([5.0, -3.0, 2.0]), 40.0)
+    local = shape.polynomial
+    raw = ImplicitPolynomial(local.degree, local.coefficients, frame, frame.to_raw(local.bounds))
+    one, other = prove(local, points), prove(raw, frame.to_raw(points), 40.0)
+    assert (other.holds, other.components, other.euler, other.boxes) == (True, 1, 0, one.boxes)
+    assert other.within == pytest.approx(40.0 * one.within)
