@@ -1,8 +1,11 @@
 """Polynomials made to deceive a proof: a known shape times something tiny."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import scipy.signal
 
+from ipcore import shapes
 from ipcore._typing import FloatArray
 from ipcore.polynomial import evaluation
 from ipcore.polynomial.frame import Frame
@@ -34,3 +37,21 @@ def sheet(dimension: int, axis: int, place: float) -> FloatArray:
     out[(0,) * dimension] = -place
     out[tuple(np.eye(dimension, dtype=int)[axis])] = 1.0
     return out
+
+
+def deceivers(shape: shapes.Shape, data: FloatArray, count: int) -> Iterator[ImplicitPolynomial]:
+    """Yield shapes times tiny balls, points, and sheets along walls, of 1e-6 … 0.1, away from the data."""
+    d, (lower, upper) = shape.polynomial.dimension, shape.polynomial.bounds
+    rng, made = np.random.default_rng(d), 0
+    while made < count:
+        centre = rng.uniform(lower, upper)
+        if np.linalg.norm(data - centre, axis=1).min() < 0.45:
+            continue
+        kind, radius = made % 3, 10.0 ** rng.uniform(-6, -1)
+        if kind == 2:
+            axis = int(rng.integers(d))
+            factor = sheet(d, axis, lower[axis] + radius if rng.random() < 0.5 else upper[axis] - radius)
+        else:
+            factor = ball(centre, radius if kind == 0 else 0.0)
+        yield times(shape.polynomial, factor)
+        made += 1

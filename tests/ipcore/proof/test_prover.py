@@ -1,5 +1,6 @@
 """What is proved of shapes that are known, and that nothing false is proved of polynomials made to deceive."""
 
+import os
 from collections.abc import Callable
 
 import numpy as np
@@ -11,7 +12,7 @@ from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
 from ipcore.proof.prover import MOST_UNCLEARED, prove
-from tests.ipcore.proof.deceivers import ball, sheet, times
+from tests.ipcore.proof.deceivers import ball, deceivers, times
 
 CLOSED = [shapes.circle, shapes.ellipse, shapes.superellipse, *shapes.SURFACES]
 
@@ -61,32 +62,17 @@ def test_discs_that_touch_are_not_smooth() -> None:
     assert found.uncleared[0].radius < 0.05
 
 
-def deceivers(dimension: int, count: int) -> list[tuple[ImplicitPolynomial, FloatArray]]:
-    """Return shapes times tiny balls, points, and sheets along walls, away from the data; and these places."""
-    rng, out = np.random.default_rng(dimension), list[tuple[ImplicitPolynomial, FloatArray]]()
-    shape = (shapes.ellipse() if dimension == 2 else shapes.torus()).polynomial
-    lower, upper = shape.bounds
-    data, _ = (shapes.ellipse() if dimension == 2 else shapes.torus()).sample(800)
-    while len(out) < count:
-        centre = rng.uniform(lower, upper)
-        if np.linalg.norm(data - centre, axis=1).min() < 0.45:
-            continue
-        kind, radius = len(out) % 3, 10.0 ** rng.uniform(-6, -1)
-        if kind == 2:
-            axis = int(rng.integers(dimension))
-            wall = lower[axis] + radius if rng.random() < 0.5 else upper[axis] - radius
-            out.append((times(shape, sheet(dimension, axis, wall)), centre))
-        else:
-            out.append((times(shape, ball(centre, radius if kind == 0 else 0.0)), centre))
-    return out
-
-
-@pytest.mark.parametrize(("dimension", "count"), [(2, 120), (3, 9)])
-def test_nothing_false_is_proved(dimension: int, count: int) -> None:
-    data, _ = (shapes.ellipse() if dimension == 2 else shapes.torus()).sample(800)
-    for p, _ in deceivers(dimension, count):
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.timeout(0)
+def test_nothing_false_is_proved(dimension: int) -> None:
+    """Of more with `IPFIT_DECEIVERS=10000 make test ARGS="-k nothing_false"`: one of fifteen in space."""
+    asked = int(os.environ.get("IPFIT_DECEIVERS", "130"))
+    count = asked - asked // 15 if dimension == 2 else asked // 15
+    shape = shapes.ellipse() if dimension == 2 else shapes.torus()
+    data, _ = shape.sample(800)
+    for number, p in enumerate(deceivers(shape, data, count)):
         found = prove(p, data)
-        assert not found.holds
+        assert not found.holds, number
         assert not found.regular
         assert found.components is None
         assert 0 < len(found.uncleared) <= MOST_UNCLEARED
