@@ -170,6 +170,9 @@ class Objective:
         d, of = self.data.dimension, (self.data, self.angle_weight, self.blend)
         if self._age >= self._keep or of != self._kept_of:
             mu = gram.moments(self.data.tables(2 * self.degree), self._matrix_weights(evaluation, u))
+            if self._keep == 1:
+                mu[:, :1] += active
+                return self._assembled(gram.gram(mu, d, self.degree))
             self._kept, self._kept_of, self._age = self._assembled(gram.gram(mu, d, self.degree)), of, 0
         self._age += 1
         return np.asarray(self._kept + gram.gram(active, d, self.degree)[0])

@@ -93,6 +93,8 @@ def halved(polynomial: ImplicitPolynomial, blocks: Blocks) -> Blocks:
     blocks = blocks.reduced(LEFT_OUT)
     parts = Blocks.together([chunk.halved() for chunk in blocks.chunks()])
     stale = parts.is_stale()
+    if not stale.any():
+        return parts
     return Blocks.together([parts[~stale], restricted(polynomial, parts[stale]).up_to(parts.degree)])
 
 
