@@ -29,6 +29,7 @@ LEFT_OUT = 1e-5
 STALE = 1e-2  # with more slack than this share of the range, the coefficients are to be computed afresh
 # What is left out for bounds of values and of slopes, as a share of the range of f.
 FOR_VALUES, FOR_SLOPES = 1e-2, 1e-3
+ROUNDED = 1e-14  # by how much places and distances may be off, as a share of the coordinates
 SUMMED = 1.0 + 1e-11  # by what factor a sum of absolute values may be larger than it is computed
 
 
@@ -96,8 +97,10 @@ class Blocks:
 
     @property
     def radius(self) -> float:
-        """Return half of a block's diagonal, rounded up."""
-        return float(np.linalg.norm(self.size)) / 2.0 * (1.0 + 1e-9)
+        """Return half of a block's diagonal, and more than its middle and places near it may be rounded."""
+        upper = self.lower + self.size * self.parts * 2**self.halvings
+        rounding = ROUNDED * float(np.maximum(np.abs(self.lower), np.abs(upper)).max())
+        return float(np.linalg.norm(self.size)) / 2.0 * (1.0 + 1e-9) + rounding
 
     @property
     def degree(self) -> int:
@@ -136,7 +139,8 @@ class Blocks:
     def may_vanish(self) -> BoolArray:
         """Return the blocks on which f may have a zero, (B,)."""
         sizes = self._sizes
-        may = np.asarray(sizes[0] <= SUMMED * (self._weights.beyond[0] @ sizes) + self.slack)  # as |T_i| ≤ 1
+        # as |T_i| ≤ 1; what is not a number may be 0
+        may = np.asarray(~(sizes[0] > SUMMED * (self._weights.beyond[0] @ sizes) + self.slack))
         if may.any():
             some = self[may].reduced(FOR_VALUES)
             may[may] = some.enclosed().may_vanish(some.slack)

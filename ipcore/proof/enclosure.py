@@ -31,19 +31,20 @@ class Enclosure:
     def of(cls, chebyshev: FloatArray, weights: Weights) -> Self:
         """Take Chebyshev coefficients (n+1, …, B) and their weights.
 
-        Along each of d axes they are multiplied by a matrix; each sum of n + 1 products has so many roundings.
+        Along each of d axes they are multiplied by a matrix whose entries are rounded once; each sum of n + 1 products
+        has n + 2 roundings more.
         """
         n, d, out = len(chebyshev) - 1, chebyshev.ndim - 1, chebyshev
         for axis in range(d):
             out = along_axis(to_bernstein(n), out, axis)
         sizes = np.abs(chebyshev).reshape((n + 1) ** d, chebyshev.shape[-1])
-        return cls(out, d * (n + 2) * EPSILON * (weights.largest @ sizes))
+        return cls(out, d * (n + 3) * EPSILON * (weights.largest @ sizes))
 
     def may_vanish(self, slack: FloatArray) -> BoolArray:
         """Return which polynomials, give or take a slack (B,), may have a zero, (B,)."""
         least, greatest = _extremes(self.coefficients)
         off = self.rounding + slack
-        return np.asarray((least <= off) & (greatest >= -off))
+        return np.asarray(~((least > off) | (greatest < -off)))  # so that what is not a number may be 0
 
     def vanish(self, slack: FloatArray) -> BoolArray:
         """Return which have both signs at the corners, (B,): first and last coefficients are values there."""

@@ -6,7 +6,7 @@ signs at their corners tell its topology. Each step needs the one before.
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -44,7 +44,8 @@ class Proof:
     Attributes
     ----------
     within
-        The distance within which every zero has a datum, in the caller's unit, if the proof holds.
+        The distance within which every zero has a datum, in the caller's unit, if the proof holds; else the radius of
+        the largest ball of the tube.
     holds
         Whether it has been proved that all zeros are in the tube about the data, see `tube`.
     regular
@@ -96,6 +97,15 @@ def prove(polynomial: ImplicitPolynomial, points: FloatArray, scale: float = 1.0
     (True, True, 1, 0)
     """
     began, tube = time.perf_counter(), Tube(points, scale)
+    if polynomial.degree == 0:
+        slope = np.zeros(polynomial.dimension)
+        polynomial = replace(polynomial, degree=1, coefficients=np.append(polynomial.coefficients, slope))
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not a number may be 0
+        return _proved(polynomial, tube, began)
+
+
+def _proved(polynomial: ImplicitPolynomial, tube: Tube, began: float) -> Proof:
+    """Return the proof, begun at that time."""
     cleared = clear(polynomial, tube)
     if not cleared.complete:
         return _unproved(cleared, tube, began)

@@ -42,18 +42,20 @@ def restricted(polynomial: ImplicitPolynomial, blocks: Blocks) -> Blocks:
         slack += _products(size, [off if k == axis else sums for k, sums in enumerate(largest)])
     coefficients = _contracted(polynomial.tensor, [X for X, _ in tables])
     slack *= 1.01  # for the products of two such errors
+    # errors are those of coefficients of T_i, and |T_i'| ≤ i²
     return replace(
         blocks,
         coefficients=coefficients,
         slack=slack,
-        slope_slack=slack[:, None] * (n**2 * 2.0 / blocks.size),  # an error in T_i is at most i² times that in T_i'
+        slope_slack=slack[:, None] * (n**2 * 2.0 / blocks.size),
     )
 
 
 def _along(polynomial: ImplicitPolynomial, blocks: Blocks, axis: int) -> tuple[FloatArray, FloatArray]:
     """Return the univariate functions on the blocks along an axis, (B, n+1, n+1), and how much they may be off.
 
-    The variable is rounded at the edges of the first blocks only; on their parts it is taken as these divide it.
+    The variable is rounded at the edges of the first blocks only; on their parts it is taken as these divide it. Of
+    Chebyshev polynomials t = (x − m)/h it is, with the middle m and half the length h of the bounds as doubles.
     """
     edges = blocks.lower[axis] + np.arange(blocks.parts + 1) * (blocks.size[axis] * 2**blocks.halvings)
     variable = polynomial.variable(edges, axis).astype(np.longdouble)
@@ -61,7 +63,8 @@ def _along(polynomial: ImplicitPolynomial, blocks: Blocks, axis: int) -> tuple[F
     first, part = np.divmod(place, 2**blocks.halvings)
     start, length = variable[first.astype(np.intp)], np.diff(variable)[first.astype(np.intp)]
     low, high = (start + length * ((part + end) / 2**blocks.halvings) for end in (0.0, 1.0))
-    X, off = local(polynomial.basis, polynomial.degree, low, high)
+    reach = float(np.abs(variable).max() + np.abs(length).max())
+    X, off = local(polynomial.basis, polynomial.degree, low, high, reach)
     return X[which], off[which]
 
 

@@ -16,8 +16,8 @@ def roundings(polynomial: ImplicitPolynomial) -> int:
 
     Here X_i, Y_j and Z_k are bounds of the univariate functions, at least 1 for Chebyshev polynomials. The m − 1 sums
     and the products of each term give m + 4. The powers of degree ≤ n give 3 n, with the rounding of the variable; the
-    Chebyshev polynomials 4 n²: their slope is n² at the ends, and T_{k+1} = 2 t T_k − T_{k−1} multiplies an error in
-    T_j by k − j + 1.
+    Chebyshev polynomials 4 n²: their slope is n² at the ends, and in T_{m+j} = 2 T_m T_j − T_{m−j} errors add up to
+    less than 2 n².
     """
     n = polynomial.degree
     functions = 3 * n if polynomial.basis is Basis.MONOMIAL else 4 * n**2
@@ -36,12 +36,12 @@ def lost_in_rounding(polynomial: ImplicitPolynomial, x: FloatArray, f: FloatArra
     """
     size = roundings(polynomial) * EPSILON * np.abs(polynomial.tensor)
     if polynomial.basis is Basis.CHEBYSHEV:
-        return np.asarray(np.abs(f) <= size.sum())
+        return np.asarray(~(np.abs(f) > size.sum()))
     ends = [
         BEYOND_BOUNDS * np.abs(table).max(axis=0, keepdims=True) for table in polynomial.tables([*polynomial.bounds.T])
     ]
-    doubtful = np.abs(f) <= evaluation.along_axes(size, ends).item()
+    doubtful = ~(np.abs(f) > evaluation.along_axes(size, ends).item())
     some = [np.ascontiguousarray(column) for column in x[doubtful].T]
     tables = [np.abs(table.T) for table in polynomial.tables(some)]
-    doubtful[doubtful] = np.abs(f[doubtful]) <= evaluation.scattered(size[None], tables)[0]
+    doubtful[doubtful] = ~(np.abs(f[doubtful]) > evaluation.scattered(size[None], tables)[0])
     return np.asarray(doubtful)

@@ -33,7 +33,8 @@ class Tube:
     def holds(self, blocks: Blocks) -> BoolArray:
         """Return which blocks are wholly in one ball, (B,)."""
         away, datum = nearest(self._tree, blocks.middle, self._asked)
-        return np.asarray((away + blocks.radius <= self._radii[datum]).any(axis=1))
+        found = np.minimum(datum, len(self._radii) - 1)  # of places at infinity none is nearest
+        return np.asarray((away + blocks.radius <= self._radii[found]).any(axis=1))
 
     def reach(self, blocks: Blocks) -> float:
         """Return a distance within which every place of the blocks has a datum."""

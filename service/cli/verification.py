@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise, product
 from math import comb
-from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_mat
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+
+from service.cli.claimed import Polynomial
 
 BITS = 128
 FIRST_HALVINGS = 3  # of the bounds, along every axis
@@ -44,17 +45,17 @@ class Box:
 class Function:
     """A polynomial as it stands in an answer, on boxes of its bounds."""
 
-    def __init__(self, polynomial: dict[str, Any]) -> None:
-        """Take `polynomial` of an answer."""
+    def __init__(self, polynomial: Polynomial) -> None:
+        """Take the polynomial of an answer."""
         ctx.prec = BITS
-        self._degree, self._frame = int(polynomial["degree"]), polynomial["frame"]
-        self._chebyshev = polynomial["basis"] == "chebyshev"
-        self.bounds = np.array(polynomial["bounds"], dtype=float)
+        self._degree, self._frame = polynomial.degree, polynomial.frame
+        self._chebyshev = polynomial.basis == "chebyshev"
+        self.bounds = np.array(polynomial.bounds, dtype=float)
         self.dimension = self.bounds.shape[1]
         count = self._degree + 1
         tensor = np.zeros((count,) * self.dimension)
-        for exponents, a in zip(polynomial["exponents"], polynomial["coefficients"], strict=True):
-            tensor[tuple(exponents)] += a
+        for exponents, a in zip(polynomial.exponents, polynomial.coefficients, strict=True):
+            tensor[tuple(exponents)] = a
         self._tensor = arb_mat([[arb(a) for a in rows] for rows in tensor.reshape(count, -1).tolist()])
         weights = [[fmpq(comb(j, i), comb(count - 1, i)) for i in range(count)] for j in range(count)]
         self._to_bernstein = arb_mat(fmpq_mat(weights))
@@ -92,7 +93,7 @@ class Function:
         if self._chebyshev:
             u = arb_poly([arb(at) / 2 ** (halvings - 1) - 1, arb(1) / 2 ** (halvings - 1)])
         else:
-            centre, scale = arb(self._frame["centre"][axis]), arb(self._frame["scale"])
+            centre, scale = arb(self._frame.centre[axis]), arb(self._frame.scale)
             u = arb_poly([(low + length * at - centre) / scale, length / scale])
         functions = [arb_poly([1]), u]
         while len(functions) <= self._degree:
@@ -115,7 +116,7 @@ def _common_sign(values: list[arb]) -> int:
 class Claims:
     """What an answer claims of its zero set, to be verified on boxes that are halved."""
 
-    def __init__(self, polynomial: dict[str, Any], points: FloatArray, within: float) -> None:
+    def __init__(self, polynomial: Polynomial, points: FloatArray, within: float) -> None:
         """Take the polynomial of an answer, the points that were fitted (N, d), and `within` of the proof."""
         self._function, self._tree, self._within = Function(polynomial), cKDTree(points), within
         first = product(range(2**FIRST_HALVINGS), repeat=self._function.dimension)

@@ -1,11 +1,11 @@
 """`ipfit verify`: check the proof of an answer by other means than those that found it."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import orjson
 import typer
 
+from service.cli import claimed
 from service.cli.point_files import MAX_POINTS, ColumnsOption, MissingOption
 from service.formats.points import by_ending, decode
 from service.jobs.errors import InvalidInputError
@@ -29,27 +29,18 @@ def verify(
         typer.echo('error: this needs python-flint: pip install "ipfit[verify]"', err=True)
         raise typer.Exit(2) from error
     try:
-        polynomial, proof = _claimed(orjson.loads(result.read_bytes()))
+        polynomial, proof = claimed.read(result.read_bytes())
         given = by_ending.read_file(points, MAX_POINTS, columns=columns, missing=missing)
-        claims = Claims(polynomial, decode.split(given.content, given.dimension)[0], proof["within"])
-    except (InvalidInputError, orjson.JSONDecodeError, OSError, KeyError, TypeError, ValueError) as error:
+        claimed.check_dimension(polynomial, given.dimension)
+    except (InvalidInputError, OSError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
+    claims = Claims(polynomial, decode.split(given.content, given.dimension)[0], proof.within)
     try:
         boxes = claims.verify_within()
-        typer.echo(f"every zero in the bounds has a point within {proof['within']:.6g}: verified on {boxes} boxes")
-        if proof["regular"]:
+        typer.echo(f"every zero in the bounds has a point within {proof.within:.6g}: verified on {boxes} boxes")
+        if proof.regular:
             typer.echo(f"the zero set is smooth: verified on {claims.verify_regular()} boxes")
     except UnverifiedError as error:
         typer.echo(f"not verified: {error}", err=True)
         raise typer.Exit(1) from error
-
-
-def _claimed(answer: Any) -> tuple[dict[str, Any], dict[str, Any]]:  # noqa: ANN401 - it is JSON
-    """Return the polynomial and the proof of an answer."""
-    proof = answer.get("proof") if isinstance(answer, dict) else None
-    if not proof:
-        raise InvalidInputError("the answer has no proof")
-    if not proof["holds"]:
-        raise InvalidInputError("the answer claims nothing: `proof.holds` is false")
-    return answer["polynomial"], proof

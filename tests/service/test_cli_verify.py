@@ -74,15 +74,55 @@ def test_a_zero_set_that_is_not_smooth_is_found(tmp_path: Path) -> None:
     assert "not verified: the zero set may not be smooth, at (0.99" in done.stderr
 
 
+CIRCLE = {
+    "degree": 2,
+    "basis": "monomial",
+    "exponents": [[0, 0], [2, 0], [0, 2]],
+    "coefficients": [-1, 1.0, 1.0],
+    "frame": {"centre": [0.0, 0.0], "scale": 1.0},
+    "bounds": [[-1.3, -1.3], [1.3, 1.3]],
+}
+PROOF = {"within": 0.1, "holds": True, "regular": True}
+
+
 @pytest.mark.parametrize(
     ("answer", "says"),
     [
-        ({}, "has no proof"),
-        ([], "has no proof"),
-        ({"proof": None}, "has no proof"),
-        ({"proof": {"holds": False}}, "claims nothing"),
-        ({"proof": {"holds": True}}, "polynomial"),
-        ({"proof": {"holds": True, "within": 1.0}, "polynomial": {"degree": 2}}, "frame"),
+        ([], "the answer: Input should be an object"),
+        ({"polynomial": CIRCLE}, "has no proof"),
+        ({"polynomial": CIRCLE, "proof": None}, "has no proof"),
+        ({"polynomial": CIRCLE, "proof": {**PROOF, "holds": False}}, "claims nothing"),
+        ({"proof": PROOF}, "polynomial: Field required"),
+        *(
+            ({"polynomial": CIRCLE, "proof": {**PROOF, name: value}}, f"proof.{name}")
+            for name, value in [("holds", "no"), ("within", -1.0), ("within", None), ("within", [0.1]), ("regular", 1)]
+        ),
+        *(
+            ({"polynomial": {**CIRCLE, name: value}, "proof": PROOF}, says)
+            for name, value, says in [
+                ("degree", 2.9, "polynomial.degree"),
+                ("degree", "2", "polynomial.degree"),
+                ("degree", 0, "polynomial.degree"),
+                ("degree", 500, "at most 40 in 2 dimensions"),
+                ("basis", "legendre", "polynomial.basis"),
+                ("basis", None, "polynomial.basis"),
+                ("exponents", [[0, 0], [2], [0, 2]], "exponents must be 2 numbers"),
+                ("exponents", [[0, 0], [-1, 0], [0, 2]], "polynomial.exponents.1.0"),
+                ("exponents", [[0, 0], [2, 1], [0, 2]], "sum is at most the degree"),
+                ("exponents", [[0, 0], [2, 0], [2, 0]], "stand there twice"),
+                ("exponents", [[0, 0], [True, False], [0, 2]], "polynomial.exponents.1.0"),
+                ("exponents", [], "as many coefficients"),
+                ("coefficients", [1.0, None, 1.0], "polynomial.coefficients.1"),
+                ("frame", {"centre": [None, None], "scale": 1.0}, "polynomial.frame.centre.0"),
+                ("frame", {"centre": [0.0, 0.0], "scale": 0.0}, "polynomial.frame.scale"),
+                ("frame", None, "polynomial.frame"),
+                ("frame", {"centre": [0.0, 0.0, 0.0], "scale": 1.0}, "exponents must be 3 numbers"),
+                ("bounds", [[1.3, 1.3], [-1.3, -1.3]], "lower and an upper corner"),
+                ("bounds", [[-1.3, -1.3], [-1.3, 1.3]], "lower and an upper corner"),
+                ("bounds", [[-1.3, -1.3]], "polynomial.bounds"),
+                ("bounds", None, "polynomial.bounds"),
+            ]
+        ),
     ],
 )
 def test_an_answer_without_a_claim_is_refused(answer: Any, says: str, tmp_path: Path) -> None:  # noqa: ANN401 - JSON
@@ -90,6 +130,19 @@ def test_an_answer_without_a_claim_is_refused(answer: Any, says: str, tmp_path: 
     done = run(answer, tmp_path / "points.npy")
     assert done.exit_code == 2
     assert says in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_points_of_another_dimension_are_refused(tmp_path: Path) -> None:
+    np.save(tmp_path / "points.npy", shapes.sphere().sample(10)[0])
+    done = run({"polynomial": CIRCLE, "proof": PROOF}, tmp_path / "points.npy")
+    assert done.exit_code == 2
+    assert "the points have 3 coordinates" in done.stderr
+
+
+def test_a_circle_is_verified(tmp_path: Path) -> None:
+    np.save(tmp_path / "points.npy", shapes.circle().sample(400)[0])
+    assert run({"polynomial": CIRCLE, "proof": PROOF}, tmp_path / "points.npy").exit_code == 0
 
 
 def test_what_is_not_json_is_refused(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Univariate functions on intervals against rational arithmetic."""
 
 from fractions import Fraction
+from math import comb
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def exact(basis: Basis, degree: int, low: Fraction, high: Fraction) -> list[list
 )
 def test_functions_are_exact_within_their_bound(basis: Basis, low: float, high: float) -> None:
     degree = 16
-    X, off = local(basis, degree, np.array([low, -1.0]), np.array([high, 1.0]))
+    X, off = local(basis, degree, np.array([low, -1.0]), np.array([high, 1.0]), max(abs(low), abs(high)))
     for k, column in enumerate(exact(basis, degree, Fraction(low), Fraction(high))):
         error = sum(abs(one - Fraction(float(x))) for one, x in zip(column, X[0, :, k], strict=True))
         assert error <= off[0, k]
@@ -63,3 +64,11 @@ def test_bernstein_coefficients_enclose(degree: int) -> None:
         values = np.array([float(one) for one in univariate(Basis.CHEBYSHEV, degree, s)[0]])
         assert (b.min(axis=0) - 1e-12 <= values).all()
         assert (values <= b.max(axis=0) + 1e-12).all()
+
+
+@pytest.mark.parametrize("degree", [3, 12, 24, 40])
+def test_bernstein_coefficients_are_rounded_once(degree: int) -> None:
+    """T_n itself has (−1)^(n−j) C(2n, 2j) / C(n, j)."""
+    b = to_bernstein(degree)
+    exact_ones = [Fraction((-1) ** (degree - j) * comb(2 * degree, 2 * j), comb(degree, j)) for j in range(degree + 1)]
+    assert b[:, degree].tolist() == [float(one) for one in exact_ones]

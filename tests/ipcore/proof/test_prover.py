@@ -128,3 +128,21 @@ def test_a_proof_in_raw_coordinates_is_that_of_the_frame() -> None:
     one, other = prove(local, points), prove(raw, frame.to_raw(points), 40.0)
     assert (other.holds, other.components, other.euler, other.boxes) == (True, 1, 0, one.boxes)
     assert other.within == pytest.approx(40.0 * one.within)
+
+
+@pytest.mark.parametrize(("reach", "scale"), [(1e78, 1.0), (2.0, 1e-100)])
+def test_values_that_overflow_are_not_taken_for_positive(reach: float, scale: float) -> None:
+    a = np.zeros(15)
+    a[0], a[10], a[14] = -1.0, 1.0, 1.0  # x⁴ + y⁴ = 1, in units of the frame
+    bounds = np.array([[-reach, -reach], [reach, reach]])
+    p = ImplicitPolynomial(4, a, Frame(np.zeros(2), scale), bounds)
+    found = prove(p, shapes.circle().sample(400)[0] + 3.0)
+    assert (found.holds, found.components) == (False, None)
+
+
+@pytest.mark.parametrize(("constant", "components"), [(1.0, 0), (0.0, None)])
+def test_a_constant(constant: float, components: int | None) -> None:
+    bounds = np.array([[-1.0, -1.0], [1.0, 1.0]])
+    p = ImplicitPolynomial(0, np.array([constant]), Frame(np.zeros(2), 1.0), bounds)
+    found = prove(p, shapes.circle().sample(50)[0])
+    assert (found.holds, found.components) == (constant != 0.0, components)
