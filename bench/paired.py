@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -68,15 +69,13 @@ def fitted(checkout: Path, file: Path) -> Fit:
 
 def compared(checkouts: tuple[Path, Path], given: sets.PointSet) -> tuple[Fit, Fit]:
     """Return the fits of a set by both checkouts, made in turn."""
-    file = HERE / "quality" / f"{given.name}.npz"
     arrays = {"points": given.points} if given.normals is None else {"points": given.points, "normals": given.normals}
-    np.savez(file, allow_pickle=False, **arrays)
-    try:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / f"{given.name}.npz"
+        np.savez(file, allow_pickle=False, **arrays)
         pairs = [[fitted(checkout, file) for checkout in checkouts]]
         while len(pairs) < ROUNDS and pairs[0][0].seconds < SLOW:
             pairs.append([fitted(checkout, file) for checkout in checkouts])
-    finally:
-        file.unlink()
     before, after = (replace(fits[0], seconds=median(fit.seconds for fit in fits)) for fits in zip(*pairs, strict=True))
     return before, after
 

@@ -10,6 +10,7 @@ from ipcore._typing import FloatArray
 from ipcore.polynomial import evaluation
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
+from ipcore.proof.tube import Tube
 
 
 def times(shape: ImplicitPolynomial, factor: FloatArray) -> ImplicitPolynomial:
@@ -40,12 +41,12 @@ def sheet(dimension: int, axis: int, place: float) -> FloatArray:
 
 
 def deceivers(shape: shapes.Shape, data: FloatArray, count: int) -> Iterator[ImplicitPolynomial]:
-    """Yield shapes times tiny balls, points, and sheets along walls, of 1e-6 … 0.1, away from the data."""
+    """Yield shapes times tiny balls, points, and sheets along walls, of 1e-6 … 0.1, outside the tube about the data."""
     d, (lower, upper) = shape.polynomial.dimension, shape.polynomial.bounds
-    rng, made = np.random.default_rng(d), 0
+    rng, made, away = np.random.default_rng(d), 0, 1.1 * Tube(data).radius
     while made < count:
         centre = rng.uniform(lower, upper)
-        if np.linalg.norm(data - centre, axis=1).min() < 0.45:
+        if np.linalg.norm(data - centre, axis=1).min() < away:
             continue
         kind, radius = made % 3, 10.0 ** rng.uniform(-6, -1)
         if kind == 2:
