@@ -18,10 +18,15 @@ from typing import Any
 
 import uvicorn
 
+from service.connections.census import Census
 from service.connections.limits import ConnectionLimits
 from service.connections.protocol import guarded
 
-PARSERS = {"httptools": "httptools", "httptools, guarded": guarded(ConnectionLimits()), "h11": "h11"}
+PARSERS = {
+    "httptools": "httptools",
+    "httptools, guarded": guarded(ConnectionLimits(), Census(ConnectionLimits())),
+    "h11": "h11",
+}
 HEAD = b"Host: x\r\nUser-Agent: load/1\r\nAccept: */*\r\nAccept-Encoding: gzip\r\n"
 ROUNDS = 7
 

@@ -14,6 +14,7 @@ from prometheus_client import generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
 from service.settings import Settings
+from service.telemetry.connections import ConnectionCounts
 from service.telemetry.gauges import Gauges
 from service.telemetry.metrics import Metrics
 from tests.pages import DOCS, ROOT
@@ -110,6 +111,7 @@ def exposed() -> set[str]:
     """Return the names of the samples of all metrics of this project."""
     metrics = Metrics()
     metrics.add(Gauges({}, list))
+    metrics.add(ConnectionCounts(int, dict))
     families = text_string_to_metric_families(generate_latest(metrics.registry).decode())
     return {family.name for family in families if family.name.startswith("ipfit_")}
 

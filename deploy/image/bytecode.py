@@ -29,9 +29,12 @@ LATER = (
     "uvicorn.loops.uvloop",
 )
 
+# What needs an extra that the images come without; `ipfit verify` then says so.
+WITHOUT = {"service.cli.verification"}
+
 for package in (ipcore, service):
     for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-        if not module.name.endswith(".__main__"):
+        if not module.name.endswith(".__main__") and module.name not in WITHOUT:
             import_module(module.name)
 for name in LATER:
     with suppress(ModuleNotFoundError):

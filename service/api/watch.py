@@ -4,6 +4,8 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from prometheus_client.registry import Collector
+
 
 class RequestObserver(Protocol):
     """Is told of every request that was answered."""
@@ -14,6 +16,9 @@ class RequestObserver(Protocol):
 
 class Exposition(Protocol):
     """Writes the metrics of the process."""
+
+    def add(self, collector: Collector) -> None:
+        """Let a collector measure at each look, too."""
 
     async def text(self, *, open_metrics: bool) -> bytes:
         """Return the metrics, measured at most a second ago; in the format OpenMetrics if wanted."""

@@ -9,8 +9,10 @@ import uvicorn
 from service.api.probes import create_probes
 from service.api.watch import Watch
 from service.bootstrap.server import connection_limits
+from service.connections.census import Census
 from service.connections.protocol import guarded
 from service.settings import Settings
+from service.telemetry.connections import ConnectionCounts
 
 
 class _Server(uvicorn.Server):
@@ -25,12 +27,15 @@ class _Server(uvicorn.Server):
 @asynccontextmanager
 async def serving(settings: Settings, port: int, watch: Watch) -> AsyncIterator[None]:
     """Answer `/livez`, `/readyz` and `/metrics` at this port."""
+    limits = connection_limits(settings)
+    census = Census(limits)
+    watch.exposition.add(ConnectionCounts(lambda: census.open, lambda: census.refusals))
     server = _Server(
         uvicorn.Config(
             create_probes(watch),
             host=settings.host,
             port=port,
-            http=guarded(connection_limits(settings)),
+            http=guarded(limits, census),
             ws="none",
             lifespan="off",
             server_header=False,

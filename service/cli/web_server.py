@@ -12,8 +12,10 @@ from fastapi import FastAPI
 
 from service.bootstrap.application import application, drain, end_drain
 from service.bootstrap.server import connection_limits
+from service.connections.census import Census
 from service.connections.protocol import guarded
 from service.settings import Settings
+from service.telemetry.connections import ConnectionCounts
 from service.telemetry.logs import log_config
 
 # Seconds that running requests get to end when the server stops: uploads and exports of zero sets. Requests that wait
@@ -27,12 +29,14 @@ class _Server(uvicorn.Server):
     """Uvicorn that drains the application on the first signal, while it goes on answering, and ends on the second."""
 
     def __init__(self, app: FastAPI, settings: Settings) -> None:
+        limits = connection_limits(settings)
+        self._census = Census(limits)
         super().__init__(
             uvicorn.Config(
                 app,
                 host=settings.host,
                 port=settings.port,
-                http=guarded(connection_limits(settings)),
+                http=guarded(limits, self._census),
                 root_path=settings.root_path,
                 ws="none",
                 server_header=False,
@@ -45,6 +49,9 @@ class _Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
+        if hasattr(self._app.state, "watch"):  # else it could not start
+            counts = ConnectionCounts(lambda: self._census.open, lambda: self._census.refusals)
+            self._app.state.watch.exposition.add(counts)
         gc.collect()
         gc.freeze()  # a later collection would look through all that was loaded, and stop all answers for 70 ms
 

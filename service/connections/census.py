@@ -13,14 +13,29 @@ LOG_SECONDS = 10.0
 
 
 class Census:
-    """The connections of a server that are open, and the refusals that were not logged yet."""
+    """The connections of a server that are open, and the requests that were refused."""
 
     def __init__(self, limits: ConnectionLimits) -> None:
         """Count against these limits."""
         self._limits = limits
         self._open: Counter[str] = Counter()
+        self._refusals: Counter[str] = Counter()
         self._refused: Counter[str] = Counter()
         self._logged: dict[str, float] = {}
+
+    @property
+    def open(self) -> int:
+        """Return the number of connections that are open."""
+        return self._open.total()
+
+    @property
+    def refusals(self) -> dict[str, int]:
+        """Return how many requests were refused, by the type of the problem."""
+        return dict(self._refusals)
+
+    def refuse(self, code: str) -> None:
+        """Count a request that is refused."""
+        self._refusals[code] += 1
 
     def enter(self, address: str) -> str | None:
         """Count a new connection; return why it has to be refused, or None if it may stay."""

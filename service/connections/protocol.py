@@ -22,9 +22,9 @@ from service.connections.turns import Turns
 LOOK_SECONDS = 1.0
 
 
-def guarded(limits: ConnectionLimits) -> Any:  # noqa: ANN401 - uvicorn calls what it takes for a class
+def guarded(limits: ConnectionLimits, census: Census) -> Any:  # noqa: ANN401 - uvicorn calls what it takes for a class
     """Return what makes the protocol of each connection of one server, as the `http` of uvicorn's configuration."""
-    return partial(GuardedProtocol, limits=limits, census=Census(limits), turns=Turns())
+    return partial(GuardedProtocol, limits=limits, census=census, turns=Turns())
 
 
 class GuardedProtocol(RefusingProtocol):

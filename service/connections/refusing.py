@@ -68,6 +68,7 @@ class RefusingProtocol(SharingProtocol):
     def _refuse(self, refusal: Refusal) -> None:
         """Answer the request that is being read with a refusal, after those before it, and close the connection."""
         self._refusal = refusal
+        self._census.refuse(refusal.code)
         self._census.log(f"refused: {refusal.detail}", f"{self._address}, trace {refusal.ids.trace_id}")
         if self._in_body and self.pipeline and self.pipeline[0][0] is self.cycle:
             self.pipeline.popleft()  # the application is not given it

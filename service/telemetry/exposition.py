@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.openmetrics import exposition as openmetrics
+from prometheus_client.registry import Collector
 
 # How old the text may be that a caller is given, in seconds: to measure the gauges takes tens of milliseconds.
 _AGE = 1.0
@@ -24,6 +25,10 @@ class Exposition:
         self._registry = registry
         self._thread = ThreadPoolExecutor(1, "metrics")
         self._made: dict[bool, tuple[float, asyncio.Future[bytes]]] = {}
+
+    def add(self, collector: Collector) -> None:
+        """Let a collector measure at each look, too."""
+        self._registry.register(collector)
 
     async def text(self, *, open_metrics: bool) -> bytes:
         """Return the metrics, measured at most a second ago; in the format OpenMetrics if wanted."""

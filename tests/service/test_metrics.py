@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,7 @@ from prometheus_client.openmetrics import parser as openmetrics
 from prometheus_client.parser import text_string_to_metric_families
 
 from service.jobs.errors import NotReadyError
+from service.problem_types import PROBLEM_TYPES
 from service.workers.canary import Canary
 from service.workers.pool import WorkerPool
 from tests.service.bodies import HALF_A_MINUTE, LONG, ellipse, npy
@@ -80,6 +82,22 @@ def test_a_worker_that_dies_is_counted(start: Start) -> None:
     (busy,) = until(server.busy)
     os.kill(busy, signal.SIGKILL)
     until(lambda: value(measured(server.client), "ipfit_worker_deaths_total", pool="fits") == 1)
+
+
+def test_what_is_refused_before_it_is_read_is_counted(start: Start) -> None:
+    server = start(WORKERS=1, SHORT_WORKERS=0)
+    before = measured(server.client)
+    assert value(before, "ipfit_connections") >= 1
+    assert value(before, "ipfit_refused_requests_total") == 0
+    for head in (b"GET / HTTP/1.1\r\nno colon\r\n\r\n", b"GET / HTTP/1.1\r\nX: " + b"x" * 70_000 + b"\r\n\r\n"):
+        with socket.create_connection((server.client.base_url.host, server.client.base_url.port or 0)) as connection:
+            connection.sendall(head)
+            assert connection.recv(4096).startswith(b"HTTP/1.1 4")
+    until(lambda: value(measured(server.client), "ipfit_refused_requests_total") == 2)
+    found = measured(server.client)
+    codes = {dict(labels)["code"] for name, labels in found if name == "ipfit_refused_requests_total"}
+    assert codes <= set(PROBLEM_TYPES)
+    assert len(codes) == 2
 
 
 def test_prometheus_gets_the_format_that_it_asks_for(client: httpx.Client) -> None:
