@@ -62,10 +62,10 @@ class Violations:
 class ViolationGrid:
     """An evenly spaced grid over the bounds, on which violations are looked for."""
 
-    def __init__(self, sides: InsideOutside, bounds: FloatArray, count: int, growth: float = 1.0) -> None:
-        """Take `count` lines per axis, over the bounds (2, d) grown by the factor `growth`."""
+    def __init__(self, sides: InsideOutside, bounds: FloatArray, count: int) -> None:
+        """Take `count` lines per axis, over the bounds (2, d)."""
         d = bounds.shape[1]
-        self.lines = growth * np.linspace(-1.0, 1.0, count)
+        self.lines = np.linspace(-1.0, 1.0, count)
         self._sides, self._shape, self._box = sides, (count,) * d, Box.of(bounds)
         # The mean radius is 1 in the normalised frame. The spacing is that of the areas for which points stand;
         # `zero_set.support` estimates it by the distance to the nearest other point.

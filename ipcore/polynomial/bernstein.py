@@ -30,24 +30,6 @@ def matrices(basis: Basis, degree: int, ends: FloatArray) -> FloatArray:
     return np.stack([W @ _powers(basis, n, low, length) for low, length in zip(a, b - a, strict=True)]).astype(float)
 
 
-def matrix_roundings(basis: Basis, degree: int, ends: FloatArray) -> FloatArray:
-    """Return by how much the entries of `matrices` may be off, (B, n+1): a bound for each interval and each function.
-
-    An entry is a sum, of terms whose absolute values add up to P_k at most: P_k = s^k for the powers, and P_k =
-    2 s P_{k−1} + P_{k−2} for the Chebyshev polynomials, with s = |a| + |b − a| for an interval a … b. Each term has
-    fewer than 4 (n + 1) roundings of extended precision, and the entry one of a double.
-    """
-    s = np.abs(ends[0]) + np.abs(ends[1] - ends[0])
-    P = np.ones((degree + 1, len(s)))
-    for k in range(1, degree + 1):
-        if basis is Basis.MONOMIAL:
-            P[k] = s * P[k - 1]
-        else:
-            P[k] = (2.0 * s * P[k - 1] + P[k - 2]) if k > 1 else s
-    extended = 4.0 * (degree + 1) * float(np.finfo(np.longdouble).eps) * P.T
-    return np.asarray(extended + np.finfo(float).eps / 2.0 * np.abs(matrices(basis, degree, ends)).max(axis=1))
-
-
 def ranges(polynomial: ImplicitPolynomial, ends: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Return lower and upper bounds of f on the blocks of a box: the least and the greatest Bernstein coefficient.
 

@@ -64,10 +64,8 @@ class Function:
 
     def sign(self, box: Box, derivative: int | None = None) -> int:
         """Return the sign of f, or of its derivative along an axis, on a whole box; 0 if it may have two."""
-        sign, others = (
-            0,
-            [self._along(k, box.halvings, at, derived=k == derivative) for k, at in enumerate(box.place)][1:],
-        )
+        _, *others = (self._along(k, box.halvings, at, derived=k == derivative) for k, at in enumerate(box.place))
+        sign = 0
         for layer in self._layers(box.halvings, box.place[0], derived=derivative == 0):
             b = others[0] * layer
             if self.dimension == 3:
