@@ -20,7 +20,7 @@ class Census:
         self._limits = limits
         self._open: Counter[str] = Counter()
         self._refusals: Counter[str] = Counter()
-        self._refused: Counter[str] = Counter()
+        self._unlogged: Counter[str] = Counter()
         self._logged: dict[str, float] = {}
 
     @property
@@ -54,9 +54,9 @@ class Census:
 
     def log(self, kind: str, address: str) -> None:
         """Log a refusal of this kind, at most once in `LOG_SECONDS`, with the number since the last line."""
-        self._refused[kind] += 1
+        self._unlogged[kind] += 1
         now = time.monotonic()
         if now - self._logged.get(kind, -LOG_SECONDS) < LOG_SECONDS:
             return
-        logger.warning("%s (%d times, last from %s)", kind, self._refused.pop(kind), address or "unknown")
+        logger.warning("%s (%d times, last from %s)", kind, self._unlogged.pop(kind), address or "unknown")
         self._logged[kind] = now
