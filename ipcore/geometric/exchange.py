@@ -26,7 +26,8 @@ from ipcore.polynomial import evaluation
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.polynomial.univariate import Basis
-from ipcore.proof.prover import clear, places
+from ipcore.proof.parts import Parts
+from ipcore.proof.prover import clear
 from ipcore.proof.tube import Tube
 from ipcore.zero_set.survey import STRAY_RESOLUTION
 
@@ -106,15 +107,14 @@ class Exchange:
     def _unproved(self, degree: int, a: FloatArray) -> SignPoints | None:
         """Return cuts where zeros away from the data cannot be excluded; None if there are none, or nothing is known.
 
-        Where there surely are such zeros, in parts that the grid must have shown, it has given no cuts because the data
-        do not tell the side there: the scan is open.
+        If there surely are such zeros, the grid has given no cuts for the parts that it shows because the data do not
+        tell the side there: the scan is open. These are left.
         """
         frame = Frame(np.zeros(self._dimension), 1.0)
         cleared = clear(ImplicitPolynomial(degree, a, frame, self._bounds, Basis.CHEBYSHEV), self._tube)
-        visible = any(place.radius > SHOWN_CELLS * self._grid.cell for place in places(cleared.left))
-        if not cleared.left or (cleared.hopeless and visible):
-            return None
-        x = np.concatenate([blocks.middle for blocks in cleared.left])
+        parts = Parts.of(cleared.left, self._dimension)
+        shown = parts.radius > SHOWN_CELLS * self._grid.cell
+        x = parts.middle[~shown[parts.part]] if cleared.hopeless else parts.middle
         x = x[:: 1 + len(x) // MOST_UNPROVED]
         located = self._sides.classify(x)
         sure = located.side != 0.0

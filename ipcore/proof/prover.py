@@ -9,12 +9,12 @@ import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from ipcore._typing import BoolArray, FloatArray
 from ipcore.polynomial.frame import Frame
 from ipcore.polynomial.implicit import ImplicitPolynomial
 from ipcore.proof.blocks import Blocks
+from ipcore.proof.parts import Parts
 from ipcore.proof.regularity import is_regular
 from ipcore.proof.restriction import first_blocks
 from ipcore.proof.subdivision import Question, Subdivision
@@ -119,7 +119,7 @@ def _proved(polynomial: ImplicitPolynomial, tube: Tube, began: float) -> Proof:
         euler=None if found is None else found.euler,
         boxes=cleared.looked_at + simple.looked_at,
         seconds=time.perf_counter() - began,
-        uncleared=places(simple.left),
+        uncleared=_places(simple.left),
     )
 
 
@@ -148,22 +148,13 @@ def _never(blocks: Blocks) -> BoolArray:
 SIMPLE = Question(_is_simple, _never, SIMPLIFYING, MOST_BLOCKS)
 
 
-def places(left: list[Blocks]) -> tuple[Place, ...]:
-    """Return balls that cover blocks, those in first blocks that touch each other together; of many the largest."""
+def _places(left: list[Blocks]) -> tuple[Place, ...]:
+    """Return balls that cover blocks, those that touch each other together; of many the largest."""
     if not left:
         return ()
-    middle = np.concatenate([blocks.middle for blocks in left])
-    radius = np.repeat([blocks.radius for blocks in left], [len(blocks) for blocks in left])
-    first = np.concatenate([blocks.place // 2.0**blocks.halvings for blocks in left]).astype(np.intp)
-    occupied = np.zeros((PARTS,) * middle.shape[1], dtype=np.bool_)
-    occupied[tuple(first.T)] = True
-    labels, count = scipy.ndimage.label(occupied, np.ones((3,) * middle.shape[1]))
-    label = labels[tuple(first.T)] - 1
-    centres = np.stack([np.bincount(label, column) for column in middle.T], axis=1) / np.bincount(label)[:, None]
-    reach = np.zeros(count)
-    np.maximum.at(reach, label, np.linalg.norm(middle - centres[label], axis=1) + radius)
-    largest = np.argsort(-reach, kind="stable")[:MOST_UNCLEARED]
-    return tuple(Place(tuple(centres[k].tolist()), float(reach[k])) for k in largest)
+    parts = Parts.of(left, len(left[0].size))
+    largest = np.argsort(-parts.radius, kind="stable")[:MOST_UNCLEARED]
+    return tuple(Place(tuple(parts.centre[k].tolist()), float(parts.radius[k])) for k in largest)
 
 
 def _unproved(cleared: Subdivision, tube: Tube, began: float) -> Proof:
@@ -171,5 +162,5 @@ def _unproved(cleared: Subdivision, tube: Tube, began: float) -> Proof:
     seconds = time.perf_counter() - began
     return Proof(
         tube.radius, holds=False, regular=False, components=None, euler=None, boxes=cleared.looked_at, seconds=seconds,
-        uncleared=places(cleared.left),
+        uncleared=_places(cleared.left),
     )  # fmt: skip
